@@ -9,7 +9,7 @@
 namespace fascicle::gpu {
 namespace {
 
-// Bytes that go through one staging buffer at a time: a submission of 16 MiB is short on any device.
+// Size of a staging buffer: a submission that copies 16 MiB is short on any device.
 constexpr VkDeviceSize staging_bytes = VkDeviceSize{16} << 20;
 
 VkBufferUsageFlags usage_of(BufferUse use) {
@@ -43,7 +43,7 @@ std::uint32_t memory_type_of(const Device::Impl& device, std::uint32_t types, Bu
 
 bool takes_device_memory(const Device::Impl& device, BufferUse use) {
   const VkPhysicalDeviceMemoryProperties& memory = device.physical.memory;
-  // Which types a buffer may have is known when it is there; this takes any of them.
+  // The allowed types are known only once a buffer exists; this considers all of them.
   const std::uint32_t type = memory_type_of(device, ~0u, use);
   return (memory.memoryHeaps[memory.memoryTypes[type].heapIndex].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) !=
          0;

@@ -1,4 +1,4 @@
-// A buffer with its memory.
+// A Vulkan buffer and its memory.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +15,19 @@ enum class BufferUse {
   readback,  // the device copies into it, then the host reads
 };
 
-// Whether such a buffer takes device memory: an upload or readback buffer does where host and device share
-// theirs.
+// Whether a buffer for this use takes device memory. Upload and readback buffers do if host and device share
+// memory.
 bool takes_device_memory(const Device::Impl& device, BufferUse use);
 
 class Buffer {
  public:
   Buffer() = default;
-  // At least 16 bytes are made, so that a buffer that holds nothing can still be bound.
+  // Allocates at least 16 bytes, so that an empty buffer can still be bound.
   Buffer(const Device::Impl& device, VkDeviceSize bytes, BufferUse use);
 
   VkBuffer get() const { return buffer_.get(); }
   VkDeviceSize size() const { return size_; }
-  // The memory of an upload or readback buffer; coherent, mapped as long as the buffer lives.
+  // The memory of an upload or readback buffer; coherent, mapped for the buffer's lifetime.
   std::span<std::byte> host() const { return host_; }
 
  private:
@@ -37,9 +37,9 @@ class Buffer {
   std::span<std::byte> host_;
 };
 
-// Waits until the bytes are there. The buffer is a storage buffer; offsets in bytes.
+// Writes to a storage buffer and waits until the copy is done.
 void write_buffer(Device::Impl& device, const Buffer& to, std::span<const std::byte> bytes);
-// Reads bytes.size() bytes from the start, after all work submitted so far.
+// Reads the first bytes.size() bytes, after all work submitted so far.
 void read_buffer(Device::Impl& device, const Buffer& from, std::span<std::byte> bytes);
 
 }  // namespace fascicle::gpu

@@ -1,4 +1,4 @@
-// The one check of every Vulkan call's result.
+// Checks the result of every Vulkan call.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace fascicle::gpu {
 
-// Its name, or "VkResult N" where it has none here.
+// The result's name, or "VkResult N" for one not listed here.
 std::string text_of(VkResult result);
 
-// Throws DeviceError (DeviceLost) "CALL: RESULT" where the call has not done what it was asked: for every
-// error, and for VK_TIMEOUT, after which a fence that was waited for without end is not signalled.
-// VK_NOT_READY and VK_INCOMPLETE pass.
+// Throws DeviceError (or DeviceLost) "CALL: RESULT" if the call failed: for every error, and for VK_TIMEOUT,
+// since a wait without a timeout has then ended with its fence unsignalled. VK_NOT_READY and VK_INCOMPLETE
+// pass.
 void check(VkResult result, const char* call);
 
 }  // namespace fascicle::gpu

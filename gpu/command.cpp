@@ -15,7 +15,7 @@ CommandPool::CommandPool(const Device::Impl& device) : device_(&device) {
 }
 
 void CommandPool::reset() {
-  // Buffers are freed with the pool they came from: making it anew is the simplest way to free them all.
+  // Command buffers are freed with their pool; a new pool is the simplest way to free them all.
   *this = CommandPool(*device_);
 }
 
@@ -32,7 +32,7 @@ void Fence::wait() const {
   const VkResult result = device_->call.vkWaitForFences(device_->device, 1, &fence, VK_TRUE,
                                                         std::numeric_limits<std::uint64_t>::max());
   if (result == VK_SUCCESS) return;
-  // What is under way uses what the caller destroys when this throws. A lost device has nothing under way.
+  // Work in flight uses objects that the caller destroys when this throws. A lost device has none in flight.
   try {
     device_->wait_idle();
   } catch (const DeviceError&) {

@@ -15,7 +15,7 @@ class CommandPool {
  public:
   explicit CommandPool(const Device::Impl& device);
   VkCommandPool get() const { return pool_.get(); }
-  // Frees the memory of all command buffers made from the pool; none may be in use.
+  // Frees the memory of all command buffers allocated from the pool; none may be in use.
   void reset();
 
  private:
@@ -41,7 +41,7 @@ class Timestamps {
   Timestamps(const Device::Impl& device, std::uint32_t pairs);
   VkQueryPool get() const { return pool_.get(); }
   std::uint32_t pairs() const { return pairs_; }
-  // Nanoseconds between the two times of a pair, if the device has finished it.
+  // Nanoseconds between the two times of a pair; nothing until the device has finished it.
   std::optional<double> elapsed(std::uint32_t pair) const;
 
  private:
@@ -50,17 +50,17 @@ class Timestamps {
   Owned<VkQueryPool> pool_;
 };
 
-// A command buffer that is recorded once, submitted once, and freed by its pool; recording starts with
-// construction.
+// A command buffer: recorded once, submitted once, freed by its pool. Construction begins the recording.
 class CommandBuffer {
  public:
   CommandBuffer(Device::Impl& device, const CommandPool& pool);
 
   void begin_timing(const Timestamps& timestamps, std::uint32_t pair);
   void end_timing(const Timestamps& timestamps, std::uint32_t pair);
-  // What was recorded or submitted before has happened, and its writes are seen, before what follows starts.
+  // Everything recorded or submitted before completes, and its writes are visible, before what follows
+  // starts.
   void barrier();
-  // Copies recorded before are seen by the host once a fence has been waited for.
+  // Makes copies recorded before visible to the host once it has waited for a fence.
   void barrier_to_host();
   void copy(const Buffer& from, VkDeviceSize from_offset, const Buffer& to, VkDeviceSize to_offset,
             VkDeviceSize bytes);

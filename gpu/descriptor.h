@@ -1,4 +1,4 @@
-// Descriptor sets: which buffer stands behind each number of shaders/buffers.h.
+// Descriptor sets: bind a buffer to each binding number of shaders/buffers.h.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace fascicle::gpu {
 
-// The buffers by number; those a kernel does not use may stay empty.
+// The buffers by number; entries that a kernel does not use may stay empty.
 using BufferTable = std::array<VkDescriptorBufferInfo, shader::buffer_count>;
 
 inline VkDescriptorBufferInfo whole(const Buffer& buffer) {

@@ -21,7 +21,7 @@ PhysicalDevice find_device(const Instance& instance, std::uint32_t index) {
   return device;
 }
 
-// Drivers need not survive bytes that are not their own.
+// Drivers may crash on a pipeline cache that is not their own.
 bool is_pipelines_of(const PhysicalDevice& device, const std::string& bytes) {
   VkPipelineCacheHeaderVersionOne header{};
   if (bytes.size() < sizeof header) return false;
@@ -42,7 +42,7 @@ std::vector<DeviceInfo> list_devices(std::string* why_none) {
       infos.push_back(describe(handle, static_cast<std::uint32_t>(infos.size())).info);
     why = "the Vulkan loader found no device; is a driver installed?";
   } catch (const DeviceError& error) {
-    // A loader without any driver reports an error here, and that is the reason to pass on.
+    // A loader without any driver fails here; pass its reason on.
     infos.clear();
     why = error.what();
   }
@@ -83,7 +83,7 @@ Device::Impl::Impl(std::uint32_t index, const DeviceOptions& options)
 }
 
 Device::Impl::~Impl() {
-  call.vkDeviceWaitIdle(device);  // an error here has nobody left to tell
+  call.vkDeviceWaitIdle(device);  // a destructor cannot report an error
 }
 
 spirv_exact::FloatControls Device::Impl::float_controls() const {
@@ -123,7 +123,7 @@ const DeviceInfo& Device::info() const {
 std::string Device::pipelines() const {
   std::string bytes;
   for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
-    // Another thread may add to it between the two calls.
+    // Another thread may add pipelines between the two calls.
     std::size_t size = 0;
     VULKAN_CHECK(impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines.get(), &size, nullptr));
     bytes.resize(size);

@@ -1,5 +1,5 @@
-// Vulkan instance and devices. Vulkan is loaded at run time by volk, so the program starts without it. Use:
-// choose from list_devices, open a Device by its index, ask for self_test, then make_vulkan_solver.
+// Vulkan instance and devices. volk loads Vulkan at run time, so the program starts without it. Use: choose
+// from list_devices, open a Device by its index, run self_test, then call make_vulkan_solver.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace fascicle::gpu {
 struct DeviceError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-// The device is gone, whatever it was asked for.
+// The device is lost, whichever call reported it.
 struct DeviceLost : DeviceError {
   using DeviceError::DeviceError;
 };
@@ -36,7 +36,7 @@ struct DeviceInfo {
   std::string why_not;  // if not usable
 };
 
-// All Vulkan devices; empty where there is no loader or no driver (why_none says which).
+// All Vulkan devices; empty without a loader or a driver (why_none says which).
 std::vector<DeviceInfo> list_devices(std::string* why_none = nullptr);
 
 struct DeviceOptions {
@@ -45,7 +45,7 @@ struct DeviceOptions {
   std::string pipelines = {};  // Device::pipelines() of an earlier run; those of another device are ignored
 };
 
-// A device opened for compute. Move-only inside; see device_impl.h for the room's own use.
+// A device opened for compute. Device::Impl is in device_impl.h, for files in gpu/ only.
 class Device {
  public:
   explicit Device(std::uint32_t index, const DeviceOptions& options = {});
@@ -54,10 +54,10 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   const DeviceInfo& info() const;
-  // Runs the self-test kernel over a table of operations and compares bits; the first difference is in `why`.
+  // Runs the self-test kernel over a table of operations and compares bits; `why` gets the first difference.
   bool self_test(std::string* why = nullptr);
 
-  // The driver's compiled form of all pipelines made so far, so that a later run need not compile them.
+  // The driver's compiled form of all pipelines created so far; a later run can reuse it.
   std::string pipelines() const;
 
   struct Impl;

@@ -1,4 +1,4 @@
-// An opened device as the room's own files use it.
+// An opened device, as files of gpu use it.
 #pragma once
 
 #include <memory>
@@ -23,13 +23,13 @@ struct Device::Impl {
 
   const DeviceInfo& info() const { return physical.info; }
 
-  // Float modes that shaders are given on this device.
+  // The float modes to set in shaders on this device.
   spirv_exact::FloatControls float_controls() const;
 
   // Queues a command buffer; `fence` may be null. Several solvers may share the device.
   void submit(VkCommandBuffer commands, VkFence fence);
 
-  // Until everything submitted so far is done.
+  // Waits until everything submitted so far is done.
   void wait_idle();
 
   // The first memory type of `types` with all of `wanted`, else with all of `needed`. Throws DeviceError if
@@ -51,7 +51,7 @@ struct Device::Impl {
   std::unique_ptr<VkDevice_T, Destroy> owned_device_;
 
  public:
-  Owned<VkPipelineCache> pipelines;  // goes before its device
+  Owned<VkPipelineCache> pipelines;  // destroyed before the device
 
  private:
   std::mutex queue_mutex_;

@@ -1,6 +1,6 @@
-// A VulkanSolver made wrong or slow on purpose, for tests that show that its safeguards are needed and work.
-// All such switches are here. Only tests/ may include this header, which a test checks. A solver made by
-// make_vulkan_solver has none of the switches.
+// VulkanSolvers made wrong or slow on purpose, for tests which show that the safeguards are needed and work.
+// All such switches are here. Only tests/ may include this header, which a test checks. A solver from
+// make_vulkan_solver has none of them.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace fascicle::gpu {
 struct Experiments {
   // Leaves the barriers between stages out.
   bool leave_out_barriers = false;
-  // Gives shaders no float modes. A driver may take those as a reason to reorder nothing (Mesa does), so the
-  // tests of NoContraction do without them.
+  // Sets no float modes in shaders. Some drivers (Mesa) reorder nothing if float modes are set, so the tests
+  // of NoContraction leave them out.
   bool leave_out_float_controls = false;
-  // In place of what suits the device.
+  // Replaces the device's tuning.
   std::optional<Tuning> tuning = {};
-  // Takes other shaders in place of the compiled, exact ones.
+  // Replaces the compiled, exact shaders.
   AlterModule alter_module = {};
-  // Work is cut where these say, if they say less than the pace and the device.
+  // Limits work further than the pace and the device do.
   SubmissionLimits limits = {};
-  // Called with each submission's slices, each dispatch's workgroups, and once for each frame slot made.
+  // Called with each submission's slices, with each dispatch's workgroups, and once for each new frame slot.
   std::function<void(std::uint64_t slices)> on_submission = {};
   std::function<void(std::uint32_t groups)> on_dispatch = {};
   std::function<void()> on_new_slot = {};

@@ -49,7 +49,7 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
     if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
     if (push.first_slice == 0 && must_wait(access, read_, written_)) wait_for_dispatches();
     const std::uint32_t left = slices - push.first_slice, of_group = slot_.slices_per_group();
-    // A workgroup is not cut, as its rest would be done twice.
+    // Workgroups are not split, as the second part would be computed twice.
     const std::uint64_t room = std::max<std::uint64_t>((allowed_slices_ - recorded_) / of_group, 1);
     const auto groups = static_cast<std::uint32_t>(
         std::min({room, allowed_groups_, std::uint64_t{left / of_group + (left % of_group != 0 ? 1 : 0)}}));

@@ -1,4 +1,4 @@
-// Records a frame's stages into submissions, none of which runs long: dispatch each stage, then finish.
+// Records a frame's stages into submissions, each short: dispatch each stage, then finish.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace fascicle::gpu {
 
-// Where work is cut.
+// Limits at which work is split.
 struct SubmissionLimits {
   std::uint64_t slices_per_submission = std::numeric_limits<std::uint64_t>::max();
   std::uint32_t groups_per_dispatch = std::numeric_limits<std::uint32_t>::max();
@@ -25,30 +25,30 @@ struct RecorderOptions {
 
 class FrameRecorder {
  public:
-  // The options outlive the recorder. The slot's submissions are cut by its pace too, if that is less.
+  // The options must outlive the recorder. The pace limits submissions too.
   FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace,
                 const RecorderOptions& options);
 
-  // One invocation an item. It waits for those recorded before where the schedule's accesses say that it must
+  // One invocation per item. Waits for earlier dispatches if the schedule's accesses require it
   // (host/model/substep_plan.h); parts of one dispatch need not wait for each other.
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items,
                 const shader::ImplicitStep& implicit = {});
 
-  // Begins a frame. Copies of the drive need not wait for the frames before: they go to the slot's own
+  // Begins a frame. The copy of the drive need not wait for earlier frames, as it goes to the slot's own
   // buffer.
   void upload_drive();
-  // `swapped`: of the frame's last dispatch.
+  // `swapped`: that of the frame's last dispatch.
   void read_results(bool swapped);
 
-  // Submits what was recorded; the slot's fence is signalled when all of the frame is done.
+  // Submits what was recorded; the slot's fence is signalled once the whole frame is done.
   void finish();
-  // Submits what was recorded so far and waits until the device has done it.
+  // Submits what was recorded so far and waits until it is done.
   void wait();
 
  private:
-  // What is recorded next, without a wait for what came before.
+  // The open command buffer, or a new one that does not wait for earlier work.
   CommandBuffer& open_commands();
-  // The same, after what was submitted before and the host's writes.
+  // The same, but a new one waits for earlier submissions and the host's writes.
   CommandBuffer& commands();
   void submit(VkFence fence);
   void wait_for_dispatches();
@@ -56,8 +56,8 @@ class FrameRecorder {
   Device::Impl& device_;
   FrameSlot& slot_;
   const RecorderOptions& options_;
-  std::uint64_t allowed_slices_;  // in a submission
-  std::uint64_t allowed_groups_;  // in a dispatch
+  std::uint64_t allowed_slices_;  // per submission
+  std::uint64_t allowed_groups_;  // per dispatch
   std::optional<CommandBuffer> open_;
   std::uint64_t recorded_ = 0;      // slices in the open submission
   model::FieldSet read_, written_;  // by dispatches since the last barrier

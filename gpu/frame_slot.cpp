@@ -7,7 +7,7 @@
 namespace fascicle::gpu {
 namespace {
 
-// Submissions of one frame that are timed; more than these teach the pace nothing new.
+// Timed submissions per frame; more of them teach the pace nothing new.
 constexpr std::uint32_t timed_submissions = 16;
 
 std::array<std::span<const std::byte>, 5> parts_of(const model::Drive& drive) {
@@ -42,7 +42,7 @@ FrameSlot::Sections FrameSlot::lay_out(const model::Drive& drive) const {
   VkDeviceSize offset = 0;
   const auto parts = parts_of(drive);
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    // A part that holds nothing is bound too, and a binding cannot be empty.
+    // Empty parts are bound too, and a binding cannot be empty.
     sections[p] = {offset, std::max<VkDeviceSize>(parts[p].size(), 16)};
     if (sections[p].bytes > device_->info().max_storage_buffer_range)
       throw DeviceError("a frame's poses and forces need " + std::to_string(sections[p].bytes) +

@@ -1,4 +1,4 @@
-// What one frame in flight needs of its own: the drive's upload, the results' readback, commands and a fence.
+// What each frame in flight owns: the drive's upload, the results' readback, commands and a fence.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@
 
 namespace fascicle::gpu {
 
-// Frames in flight at most. With more, the host's time is hidden no better.
+// The most frames in flight. More would hide no more of the host's time.
 inline constexpr std::size_t most_frames_in_flight = 4;
 
-// Bytes of device memory that the results of one frame take, if all of them are read.
+// Device memory, in bytes, for the results of one frame if all of them are read.
 std::uint64_t readback_bytes(const Device::Impl& device, const model::Model& model);
 
 class FrameSlot {
  public:
   FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers);
 
-  // Makes the slot ready for a new frame: buffers large enough, the drive written to the upload buffer. The
-  // frame that used the slot before must be done.
+  // Prepares the slot for a new frame: grows buffers as needed and writes the drive to the upload buffer. The
+  // slot's previous frame must be done.
   void prepare(const model::Drive& drive, model::Read what, std::uint32_t vertices,
                std::uint32_t surface_vertices);
 
@@ -34,13 +34,13 @@ class FrameSlot {
     return sets_[2 * static_cast<std::uint32_t>(kernel) + (swapped ? 1 : 0)];
   }
 
-  // Whether something of the frame is read.
+  // Whether any result of the frame is read.
   bool has_results() const { return results_bytes_ > 0; }
   // Records the copy of the drive to the device, and of results to the host.
   void record_upload(CommandBuffer& commands) const;
   void record_readback(CommandBuffer& commands, bool swapped) const;
 
-  // Waits for the frame and brings its buffers.
+  // Waits for the frame and returns its results.
   model::Frame finish(SubmissionPace& pace);
 
   std::uint64_t index = 0;

@@ -13,9 +13,9 @@ namespace {
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
-// volk keeps the loader's entry points in variables of its own. All instances of a process get the same
-// values, so they are set once and then only read; entry points of extensions, which differ, are asked for
-// where they are used.
+// volk keeps the loader's entry points in global variables. All instances of a process get the same values,
+// so they are set once and then only read. Entry points of extensions differ, so they are looked up where
+// they are used.
 std::mutex& volk_mutex() {
   static std::mutex mutex;
   return mutex;

@@ -1,4 +1,4 @@
-// A Vulkan instance, with the validation layer if asked for.
+// A Vulkan instance, with the validation layer if requested.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,12 @@
 
 namespace fascicle::gpu {
 
-// Finds the Vulkan loader; false with the reason where this machine has none. Safe to call from several
-// threads.
+// Finds the Vulkan loader; returns false and the reason if there is none. Thread-safe.
 bool load_vulkan(std::string* why);
 
 class Instance {
  public:
-  // Throws DeviceError if there is no loader, or no validation layer though it was asked for.
+  // Throws DeviceError without a loader, or if the validation layer is requested and missing.
   explicit Instance(const DeviceOptions& options);
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -31,7 +30,7 @@ class Instance {
   struct DestroyInstance {
     void operator()(VkInstance instance) const { vkDestroyInstance(instance, nullptr); }
   };
-  // Messages to the listener for as long as this lives.
+  // Sends messages to the listener for as long as this lives.
   class Messenger {
    public:
     Messenger(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT& info);
@@ -44,7 +43,7 @@ class Instance {
     VkDebugUtilsMessengerEXT handle_ = VK_NULL_HANDLE;
   };
 
-  // In the order in which they need each other: making and destroying the instance sends messages too.
+  // The order matters: creating and destroying the instance sends messages too.
   std::unique_ptr<Listener> listener_;
   std::unique_ptr<VkInstance_T, DestroyInstance> instance_;
   std::unique_ptr<Messenger> messenger_;

@@ -12,15 +12,15 @@ namespace fascicle::gpu {
 
 class Kernel {
  public:
-  // `constants`: values of the specialisation constants 0, 1, ... The module is given the float modes; the
-  // device must know them.
+  // `constants`: values of the specialisation constants 0, 1, ... The float modes are set in the module; the
+  // device must support them.
   Kernel(const Device::Impl& device, spirv_exact::Module module, std::span<const std::uint32_t> constants,
          spirv_exact::FloatControls controls);
 
   VkPipeline pipeline() const { return pipeline_.get(); }
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
-  // Numbers of the buffers that the shader uses (shaders/buffers.h).
+  // Binding numbers of the buffers that the shader uses (shaders/buffers.h).
   const std::vector<std::uint32_t>& buffers() const { return buffers_; }
 
  private:

@@ -13,8 +13,8 @@
 namespace fascicle::gpu {
 namespace {
 
-// Seconds of `repeats` times what `record` adds to a command buffer: by the device's clock, or where it has
-// none by the host's.
+// Seconds that `repeats` times the commands of `record` take, by the device's clock, or by the host's if it
+// has none.
 template <class Record>
 double seconds_of(Device::Impl& device, int repeats, const Record& record) {
   const CommandPool pool(device);
@@ -32,7 +32,7 @@ double seconds_of(Device::Impl& device, int repeats, const Record& record) {
   return timestamps.elapsed(0).value_or(waited.count() * 1e9) * 1e-9;
 }
 
-// Those of a body that nothing but itself moves.
+// The stages of a body without a skeleton, ties or limits.
 std::vector<StageKernel> stages_of(const model::Model& model, const model::SolverOptions& options) {
   model::SubstepPlan plan = substep_plan(model, options, false);
   std::erase_if(plan, [](const model::Block& b) { return b.repeat == model::Block::Repeat::limit_passes; });
@@ -45,12 +45,12 @@ std::vector<StageKernel> stages_of(const model::Model& model, const model::Solve
 
 double copy_rate(Device& opened) {
   Device::Impl& device = opened.impl();
-  // Several times what real devices keep in caches.
+  // Several times the size of caches in real devices.
   const VkDeviceSize bytes = std::min({VkDeviceSize{device.info().software ? 64u : 512u} << 20,
                                        VkDeviceSize{device.info().memory / 8},
                                        VkDeviceSize{device.info().max_storage_buffer_range}}) /
                              16 * 16;
-  constexpr std::uint32_t group = 128, item_bytes = 16;  // every device runs workgroups of 128
+  constexpr std::uint32_t group = 128, item_bytes = 16;  // every device supports workgroups of 128
   std::array<std::uint32_t, shader::constant_count> constants{};
   constants[shader::constant_group_size] = group;
   const Kernel kernel(device, shader::module_of("copy"), constants, device.float_controls());
@@ -64,7 +64,7 @@ double copy_rate(Device& opened) {
   push.substep.vertex_count = static_cast<std::uint32_t>(bytes / item_bytes);
   const std::uint32_t groups =
       std::min((push.substep.vertex_count + group - 1) / group, device.info().max_groups);
-  // A device's own copies may take another way than its shaders' loads and stores, faster or slower.
+  // A device's copy engine may be faster or slower than its shaders' loads and stores.
   double best = 0.0;
   for (int round = 0; round < 5; ++round) {
     constexpr int copies = 4;
@@ -126,7 +126,7 @@ std::vector<StageTime> stage_times(Device& opened, const model::Model& model,
         commands.barrier();
       });
     };
-    // About 20 ms, so that what comes before and after does not count.
+    // About 20 ms, so that overhead before and after is negligible.
     const double once = run(2) / 2;
     const int repeats = static_cast<int>(std::clamp(20e-3 / std::max(once, 1e-7), 1.0, 500.0));
     times.push_back({std::string(name_of(kernel)), run(repeats) / repeats * 1e9});
@@ -139,11 +139,11 @@ double substep_bytes(const model::Model& model, std::uint32_t passes) {
   const double slices = 1.0 / shader::slice_width;
   const double entries = static_cast<double>(sliced_entry_count(model)) / model.vertex_count;
   const double rings = slices * number + entries * (is_near(model) ? 1 : 2) * number;
-  // Place, rest, centre at rest, rotation read and written, map.
+  // Position, rest, centre at rest, rotation read and written, map.
   const double region = rings + number + 3 * vector + 2 * vector + map;
   const double blend = rings + number + map + vector;
   if (!model.is_implicit()) return region + blend + 4 * vector + number;
-  // Goal; place, the iterate before, both read and written; y; response.
+  // Goal; position and the previous iterate, both read and written; y; response.
   return passes * (region + blend + vector + 4 * vector + vector + sizeof(shader::Response));
 }
 

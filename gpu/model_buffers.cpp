@@ -11,7 +11,7 @@ namespace {
 
 using model::Model;
 
-// x y z of `triples` and one number more.
+// x y z of `triples`, followed by one more number.
 std::vector<float> records(const std::vector<float>& triples, const std::vector<float>& fourth) {
   std::vector<float> out(triples.size() / 3 * 4);
   for (std::size_t i = 0; i < triples.size() / 3; ++i) {
@@ -48,7 +48,7 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       plan.end(),
       {
           {shader::buffer_response, "response", model.is_implicit() ? 2 * sizeof(shader::Response) * n : 0},
-          // Several arrays of the model in one.
+          // Buffers that combine several arrays of the model.
           {shader::buffer_rest, "rest", 16 * n},
           {shader::buffer_tag, "tag", 4 * n},
           {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},

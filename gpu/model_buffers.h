@@ -1,4 +1,4 @@
-// The buffers that hold a model and a solver's state on the device.
+// The device buffers of a model and of a solver's state.
 #pragma once
 
 #include <array>
@@ -18,28 +18,28 @@ struct PlannedBuffer {
   std::uint64_t bytes;
 };
 
-// All buffers of a model and its state, without making any.
+// All buffers of a model and its state; allocates none.
 std::vector<PlannedBuffer> plan_buffers(const model::Model& model);
 
-// Throws DeviceError, with the numbers, if a buffer is over maxStorageBufferRange, or all together and the
-// frames in flight are over the memory.
+// Throws DeviceError, with the numbers, if a buffer exceeds maxStorageBufferRange, or if all buffers plus the
+// frames in flight exceed the memory.
 void check_plan(const std::vector<PlannedBuffer>& plan, std::uint64_t frames_in_flight_bytes,
                 const DeviceInfo& device);
 
 class ModelBuffers {
  public:
-  // Makes all buffers and fills the static ones.
+  // Allocates all buffers and fills the static ones.
   ModelBuffers(Device::Impl& device, const model::Model& model);
 
   const Buffer& operator[](std::uint32_t number) const { return buffers_[number]; }
-  // The table for kernels. With `swapped`, buffer_skinned and buffer_skinned_before change places.
+  // The buffer table for kernels. `swapped` exchanges buffer_skinned and buffer_skinned_before.
   BufferTable table(bool swapped) const;
 
  private:
   std::array<Buffer, shader::buffer_count> buffers_;
 };
 
-// 3n or 4n floats to and from buffers of one vec4 an item.
+// Convert between 3n floats and the 4n floats of a buffer with one vec4 per item.
 std::vector<float> widened(const std::vector<float>& triples);
 void narrow(std::span<const float> records, std::vector<float>& triples);
 

@@ -1,4 +1,4 @@
-// A Vulkan object that belongs to one owner and is destroyed with it.
+// A Vulkan object with one owner, destroyed with it.
 #pragma once
 
 #include <utility>

@@ -50,7 +50,7 @@ class Extensions {
   std::vector<VkExtensionProperties> properties_;
 };
 
-// The first family with compute; one without graphics is preferred, as it does not share a queue with a
+// The first family with compute. One without graphics is preferred, as it does not share a queue with the
 // display.
 std::optional<std::uint32_t> compute_family(const std::vector<VkQueueFamilyProperties>& families) {
   std::optional<std::uint32_t> found;
@@ -62,7 +62,7 @@ std::optional<std::uint32_t> compute_family(const std::vector<VkQueueFamilyPrope
   return found;
 }
 
-// What a device of Vulkan 1.1 says beyond its core properties. An older one leaves all at zero.
+// Properties of a Vulkan 1.1 device beyond the core ones. An older device leaves them all at zero.
 struct MoreProperties {
   VkPhysicalDeviceSubgroupProperties subgroup{};
   VkPhysicalDeviceFloatControlsProperties controls{};
@@ -85,7 +85,7 @@ MoreProperties more_properties(VkPhysicalDevice handle, const Extensions& extens
   if (extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) chain(more.controls);
   if (extensions.contains(VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) chain(more.driver);
   vkGetPhysicalDeviceProperties2(handle, &properties);
-  // The chain led through this function's own structures.
+  // The chain points to structures local to this function.
   more.subgroup.pNext = more.controls.pNext = more.driver.pNext = nullptr;
   return more;
 }
@@ -115,7 +115,7 @@ DeviceInfo info_of(const VkPhysicalDeviceProperties& core, const MoreProperties&
   info.pipelines_key = pipelines_key(core.vendorID, core.deviceID, core.pipelineCacheUUID);
   info.max_groups = core.limits.maxComputeWorkGroupCount[0];
   info.subgroup_size = more.subgroup.subgroupSize;
-  // Where widths depend on each other, a mode for 32 bits alone is not allowed.
+  // If widths depend on each other, a mode for 32 bits alone is not allowed.
   const bool rounding_alone =
       more.controls.roundingModeIndependence != VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE;
   info.rounding_rte = more.controls.shaderRoundingModeRTEFloat32 && rounding_alone;
@@ -124,7 +124,7 @@ DeviceInfo info_of(const VkPhysicalDeviceProperties& core, const MoreProperties&
   return info;
 }
 
-// Why the device will not do, or nothing.
+// Why the device cannot be used; empty if it can.
 std::string refusal(const VkPhysicalDeviceProperties& core, bool has_compute) {
   if (core.apiVersion < VK_API_VERSION_1_1)
     return "it knows Vulkan " + version_text(core.apiVersion) + " only; 1.1 is needed";

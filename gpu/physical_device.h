@@ -1,4 +1,4 @@
-// What a physical device is and can do.
+// A physical device and its capabilities.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace fascicle::gpu {
 
-// Buffers that the largest kernel (update) binds. A test compares it with the shaders.
+// Number of buffers that the largest kernel (update) binds. A test compares it with the shaders.
 inline constexpr std::uint32_t most_buffers_of_a_kernel = 20;
 
 struct PhysicalDevice {
@@ -19,13 +19,13 @@ struct PhysicalDevice {
   DeviceInfo info;
   VkPhysicalDeviceLimits limits{};
   VkPhysicalDeviceMemoryProperties memory{};
-  std::uint32_t queue_family = 0;  // one with compute
+  std::uint32_t queue_family = 0;  // one that supports compute
   bool has_timestamps = false;     // on that family
   bool float_controls_extension = false;
 };
 
-// DeviceInfo::pipelines_key of a device with these numbers; `driver`: VkPhysicalDeviceProperties'
-// pipelineCacheUUID, which changes with the driver.
+// DeviceInfo::pipelines_key for these numbers; `driver`: VkPhysicalDeviceProperties' pipelineCacheUUID, which
+// changes with the driver.
 std::string pipelines_key(std::uint32_t vendor, std::uint32_t device,
                           std::span<const std::uint8_t, VK_UUID_SIZE> driver);
 

@@ -18,7 +18,7 @@ using Quaternion = kernel::Quaternion<float>;
 
 constexpr std::uint32_t row_count = 4096;
 
-// A stream of numbers without a library behind it (Marsaglia's xorshift, J. Stat. Software 8(14), 2003).
+// A random number generator that needs no library (Marsaglia's xorshift, J. Stat. Software 8(14), 2003).
 class Stream {
  public:
   std::uint32_t next() {
@@ -29,8 +29,7 @@ class Stream {
   }
   // In [-1, 1), a multiple of 2^-23, so that rounding happens in the operations and not here.
   float signed_unit() { return static_cast<float>(static_cast<std::int32_t>(next()) >> 8) * 0x1p-23f; }
-  // Random sign and mantissa, exponent from 2^-12 to 2^11: sums of these lose many bits, products overflow
-  // nowhere.
+  // Random sign and mantissa, exponent from 2^-12 to 2^11: sums lose many bits, no product overflows.
   float number() {
     const std::uint32_t bits = next();
     return std::bit_cast<float>((bits & 0x807fffffu) | ((115u + (bits >> 23) % 24u) << 23));
@@ -40,9 +39,8 @@ class Stream {
   std::uint32_t state_ = 2463534242u;
 };
 
-// Special numbers meet each other in the first rows: signed zeros, the smallest normal number, numbers about
-// snap's threshold, neighbours of one. Denormal numbers are for snap alone: devices may flush them anywhere
-// else.
+// The first rows combine special numbers: signed zeros, the smallest normal number, numbers around snap's
+// threshold, neighbours of one. Only snap gets denormal numbers: devices may flush them anywhere else.
 std::vector<Input> make_table() {
   const float special[] = {
       0.0f,           -0.0f,         1.0f, -1.0f, 0x1p-40f,  -0x1p-40f, 0x1.fffffep-41f, 0x1.000002p-40f,
@@ -62,7 +60,7 @@ std::vector<Input> make_table() {
       t.z = special[(row * 7 + 3) % specials];
     }
     float* entry = &t.a.xx;
-    // From round to flat moments: rows scaled by up to 2^-8.
+    // Moments from round to flat: two rows scaled by 2^-8 to 1.
     for (int k = 0; k < 9; ++k)
       entry[k] = stream.signed_unit() *
                  (k / 3 == static_cast<int>(row % 3)
@@ -78,7 +76,7 @@ std::vector<Input> make_table() {
   return table;
 }
 
-// The order of self_test.comp.
+// In the order of self_test.comp.
 void append_results(const Input& t, std::vector<float>& results) {
   for (int operation = 0; operation < static_cast<int>(shader::self_test_scalars); ++operation)
     results.push_back(kernel::self_test_scalar<float>(operation, t.x, t.y, t.z, t.w));

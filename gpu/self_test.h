@@ -1,5 +1,5 @@
-// The self-test: kernel arithmetic over a table of inputs on the device, against the same source compiled as
-// C++.
+// The self-test: runs kernel arithmetic over a table of inputs on the device and compares it with the same
+// source compiled as C++.
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@
 
 namespace fascicle::gpu {
 
-// Results of the device, self_test_results for each row of the table. The module is
-// shader::module_of("self_test") and the float modes the device's, but for the tests that show what a missing
-// NoContraction does.
+// The device's results, self_test_results for each row of the table. The module is
+// shader::module_of("self_test") and the float modes are the device's, except in tests that show the effect
+// of a missing NoContraction.
 std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module module,
                                  spirv_exact::FloatControls controls);
 
-// Results of this CPU.
+// This CPU's results.
 std::vector<float> expected_self_test();
 
-// Where the device's results first differ from this CPU's by bits, in words; empty if nowhere.
+// Describes where the device's results first differ from this CPU's in any bit; empty if they do not.
 std::string first_self_test_difference(std::span<const float> device_results);
 
 }  // namespace fascicle::gpu

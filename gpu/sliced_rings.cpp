@@ -17,7 +17,7 @@ std::uint32_t slice_depth(const model::Model& model, std::uint32_t first) {
   return depth;
 }
 
-// `difference`: modulo 2^32. Shares are multiples of 2^-16.
+// `difference` is modulo 2^32. Shares are multiples of 2^-16.
 std::uint32_t near_word(std::uint32_t difference, float share) {
   return (difference & 0xffffu) | static_cast<std::uint32_t>(share * 65536.0f) << shader::share_shift;
 }

@@ -11,10 +11,10 @@
 namespace fascicle::gpu {
 
 Tuning tuning_for(const DeviceInfo& device) {
-  // Software devices run one workgroup at a time, and have no loads to wait for.
+  // Software devices run one workgroup at a time, and have no load latency to hide.
   if (device.software) return {};
-  // Measured, bench/README.md: larger workgroups balance worse. One smaller than a subgroup leaves lanes
-  // empty.
+  // Measured in bench/README.md: larger workgroups balance worse. One smaller than a subgroup leaves lanes
+  // idle.
   const std::uint32_t width = shader::slice_width;
   return {.group_size = std::max(1u, (device.subgroup_size + width - 1) / width) * width, .ahead = 4};
 }

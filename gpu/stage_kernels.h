@@ -11,19 +11,19 @@
 
 namespace fascicle::gpu {
 
-// The kernels of the schedule, a pipeline each.
+// The kernels of the schedule, one pipeline each.
 using StageKernel = model::Kernel;
 inline constexpr std::uint32_t stage_kernel_count = model::kernel_count;
 
-// What suits a device; no result depends on it.
+// Tuning for a device; no result depends on it.
 struct Tuning {
-  std::uint32_t group_size = shader::slice_width;  // invocations of a workgroup, a multiple of slice_width
-  std::uint32_t ahead = 1;                         // neighbours that are read before the first is used
+  std::uint32_t group_size = shader::slice_width;  // invocations per workgroup, a multiple of slice_width
+  std::uint32_t ahead = 1;                         // neighbours read ahead of the first use
   bool operator==(const Tuning&) const = default;
 };
 Tuning tuning_for(const DeviceInfo& device);
 
-// Stands between a module and its pipeline: tests use it to see what goes wrong with a different shader.
+// Called between a module and its pipeline: tests use it to see the effect of a different shader.
 using AlterModule = std::function<spirv_exact::Words(StageKernel, spirv_exact::Module)>;
 
 class StageKernels {

@@ -5,9 +5,9 @@
 namespace fascicle::gpu {
 namespace {
 
-// Half of the 100 ms that a submission may take: stages cost different amounts, and machines slow down.
+// Half of the 100 ms limit for a submission: stages cost different amounts, and machines slow down.
 constexpr double target_nanoseconds = 50e6;
-// Below this, a submission's fixed costs say nothing about its slices.
+// Below this, a submission's fixed costs dominate.
 constexpr std::uint64_t fewest_slices_to_learn_from = 64;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// How much work goes into one submission: little enough that none runs for 100 ms, which would make a desktop
-// stutter and, on some systems, have the driver give the device up for hung.
+// How much work goes into one submission. None may run for 100 ms: that makes a desktop stutter, and some
+// drivers then treat the device as hung and reset it.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@ namespace fascicle::gpu {
 
 class SubmissionPace {
  public:
-  // The first guess: software devices take a microsecond a vertex and stage, real ones far less. Both are
-  // rather too slow than too fast. A device without timestamps keeps them.
+  // Initial guess: software devices take a microsecond per vertex and stage, real ones far less. Both guesses
+  // are on the slow side. A device without timestamps keeps them.
   explicit SubmissionPace(bool software) : nanoseconds_per_slice_(software ? 32000.0 : 1000.0) {}
 
-  // Slices of slice_width items, summed over dispatches, that one submission may hold; at least 1.
+  // The number of slices of slice_width items, summed over dispatches, allowed in one submission; at least 1.
   std::uint64_t slices_per_submission() const;
 
-  // A submission of `slices` took so long. A slower pace is taken at once, a faster one gradually.
+  // Records the time that a submission of `slices` took. Adopts a slower pace at once, a faster one
+  // gradually.
   void learn(std::uint64_t slices, double nanoseconds);
 
  private:

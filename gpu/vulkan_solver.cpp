@@ -27,7 +27,7 @@ using model::Read;
 using model::Stage;
 using model::State;
 
-// Refuses a model that will not fit before anything is made.
+// Rejects a model that does not fit, before anything is allocated.
 const Model& checked(const Device::Impl& device, const Model& model, const model::SolverOptions& options) {
   check_options(model, options);
   check_plan(plan_buffers(model), most_frames_in_flight * readback_bytes(device, model), device.info());
@@ -39,7 +39,7 @@ RecorderOptions recorder_options(const Experiments& experiments) {
           experiments.on_dispatch};
 }
 
-// After a DeviceError from any call the solver's state is not defined; it can be destroyed.
+// After a DeviceError from any call the solver's state is undefined; it can only be destroyed.
 class VulkanSolver : public model::Solver {
  public:
   VulkanSolver(Device& device, const Model& model, const model::SolverOptions& options,
@@ -64,7 +64,7 @@ class VulkanSolver : public model::Solver {
   ~VulkanSolver() override {
     try {
       device_.wait_idle();
-    } catch (const DeviceError&) {  // a lost device has nothing left in flight
+    } catch (const DeviceError&) {  // a lost device has nothing in flight
     }
   }
   VulkanSolver(const VulkanSolver&) = delete;
@@ -73,7 +73,7 @@ class VulkanSolver : public model::Solver {
   void submit(const Drive& drive, Read what, Probe* probe) override {
     check_drive(model_, drive);
     if (pending_.size() == most_frames_in_flight) finish_oldest();
-    // Cuts are carried on the host.
+    // Cuts are applied on the host.
     while (!drive.cuts.empty() && !pending_.empty()) finish_oldest();
     if (model_.is_implicit() && (step_before_ != drive.h || tables_.h != drive.h)) take_step(drive.h);
     FrameSlot& slot = free_slot();
@@ -149,7 +149,7 @@ class VulkanSolver : public model::Solver {
   }
 
  private:
-  // Nothing may be under way on the device.
+  // Requires an idle device.
   void set_history(const State& state) {
     origin_ = state.origin;
     write(shader::buffer_position, widened(state.positions));
@@ -159,14 +159,14 @@ class VulkanSolver : public model::Solver {
     if (!model_.carried.empty()) write(shader::buffer_skinned_velocity, widened(state.skinned_velocities));
     step_before_ = state.step_before;
     if (!model_.is_implicit()) return;
-    // Without a substep before, what it takes for that is where the body is.
+    // Without a previous substep, the previous values are the current ones.
     const bool has_before = !state.positions_before.empty();
     write(shader::buffer_position_before, widened(has_before ? state.positions_before : state.positions));
     write(shader::buffer_velocity_before, widened(has_before ? state.velocities_before : state.velocities));
   }
 
-  // Makes the implicit integrator ready for substeps of h seconds; those before, of another length, are no
-  // history.
+  // Prepares the implicit integrator for substeps of h seconds. Earlier substeps of another length are
+  // dropped as history.
   void take_step(double h) {
     while (!pending_.empty()) finish_oldest();
     if (step_before_ != h && step_before_ != 0.0) {
@@ -181,7 +181,7 @@ class VulkanSolver : public model::Solver {
     write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables_.responses)));
   }
 
-  // Waits for the frame longest under way and keeps it for collect().
+  // Waits for the oldest frame in flight and keeps it for collect().
   void finish_oldest() {
     FrameSlot* slot = pending_.front();
     done_.push_back(slot->finish(pace_));
@@ -189,8 +189,8 @@ class VulkanSolver : public model::Solver {
     free_.push_back(slot);
   }
 
-  // Drivers compile at the first dispatch, tens of milliseconds a kernel; it is done here, over no items, so
-  // that it neither makes the first frame late nor spoils its timing.
+  // Drivers compile at the first dispatch, which takes tens of milliseconds per kernel. Doing it here, over
+  // no items, keeps it out of the first frame and its timing.
   void warm_up() {
     const std::vector<float> decay(model_.layers.size());
     Drive drive;
@@ -254,7 +254,7 @@ class VulkanSolver : public model::Solver {
     return values;
   }
 
-  // A field's items by the floats of its row.
+  // A field's items, each with the number of floats of its row.
   std::vector<float> shown(Field field) const {
     const model::FieldTraits& row = row_of(field);
     const std::size_t items = item_count(model_, row.items), stored = row.bytes / sizeof(float);
@@ -274,7 +274,7 @@ class VulkanSolver : public model::Solver {
     return floats;
   }
 
-  // Where a field is in this substep. What predict makes of an explicit one is in its velocities.
+  // The buffer that holds a field in this substep. The explicit predict stage writes to velocities.
   std::uint32_t buffer_of(Field field) const {
     if (field == Field::skinned) return skinned_buffer();
     if (field == Field::predicted && !model_.is_implicit()) return shader::buffer_velocity;
@@ -290,7 +290,7 @@ class VulkanSolver : public model::Solver {
     read_buffer(device_, buffers_[number], std::as_writable_bytes(std::span(values)));
     return values;
   }
-  // x y z of a buffer of one vec4 a vertex.
+  // x y z from a buffer with one vec4 per vertex.
   std::vector<float> read_triples(std::uint32_t number) const {
     std::vector<float> triples;
     narrow(read(number, 4 * std::size_t{model_.vertex_count}), triples);
@@ -300,7 +300,7 @@ class VulkanSolver : public model::Solver {
     write_buffer(device_, buffers_[number], std::as_bytes(std::span(values)));
   }
 
-  // The last of free_; it stays there until its frame is under way.
+  // The last of free_; it stays in free_ until its frame is in flight.
   FrameSlot& free_slot() {
     if (free_.empty()) {
       slots_.push_back(std::make_unique<FrameSlot>(device_, kernels_, buffers_));
@@ -319,12 +319,12 @@ class VulkanSolver : public model::Solver {
   SubmissionPace pace_;
   model::SolverOptions options_;
   model::SubstepPlan plan_, probed_plan_;
-  model::ImplicitTables tables_;  // implicit: what the device has for its step length
-  double step_before_ = 0.0;      // s: of the last substep; 0 where it is no history
+  model::ImplicitTables tables_;  // implicit: tables for the step length last used
+  double step_before_ = 0.0;      // s: of the last substep; 0 if it is no history
   std::vector<std::unique_ptr<FrameSlot>> slots_;
   std::vector<FrameSlot*> free_;
   std::deque<FrameSlot*> pending_;  // at most most_frames_in_flight
-  std::deque<Frame> done_;          // finished before they were collected; older than all pending
+  std::deque<Frame> done_;          // finished but not yet collected; older than all pending
   bool swapped_ = false;            // which of the two skinned buffers is the current one
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};

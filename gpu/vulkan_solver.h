@@ -1,5 +1,5 @@
-// VulkanSolver: the float solver in compute shaders. Make one for a model that check_model has passed, then
-// submit a Drive for each frame and collect its positions, as host/model/solver.h says.
+// VulkanSolver: the float solver in compute shaders. Make one for a model that has passed check_model, then
+// submit a Drive for each frame and collect its positions, see host/model/solver.h.
 #pragma once
 
 #include <memory>
