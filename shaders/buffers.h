@@ -1,6 +1,6 @@
-// The compute shaders' buffers: one binding number for each, the same in every shader, and the records that
-// only the GPU's layout needs. Compiles as C++ and as GLSL, like shared.h. A shader's descriptor set holds
-// the buffers it uses.
+// The compute shaders' buffers: one binding number each, the same in every shader, and the records that only
+// the GPU's layout needs. Compiles as C++ and as GLSL, like shared.h. A shader's descriptor set holds the
+// buffers it uses.
 #ifndef FASCICLE_SHADERS_BUFFERS_H
 #define FASCICLE_SHADERS_BUFFERS_H
 
@@ -13,26 +13,26 @@ namespace fascicle::shader {
 #define BUFFERS_CONSTANT const
 #endif
 
-// State, one vec4 a vertex unless said otherwise.
+// State, one vec4 per vertex unless stated otherwise.
 BUFFERS_CONSTANT uint buffer_position = 0u;
 BUFFERS_CONSTANT uint buffer_velocity = 1u;
 BUFFERS_CONSTANT uint buffer_rotation = 2u;  // w x y z
 BUFFERS_CONSTANT uint buffer_transform =
-    3u;  // the rows of linear map and translation: all first ones, all second, all third
+    3u;  // the rows of linear map and translation: all first rows, all second, all third
 BUFFERS_CONSTANT uint buffer_goal = 4u;
 BUFFERS_CONSTANT uint buffer_skinned = 5u;           // this substep's
 BUFFERS_CONSTANT uint buffer_skinned_before = 6u;    // the last substep's
 BUFFERS_CONSTANT uint buffer_skinned_velocity = 7u;  // the last substep's
-BUFFERS_CONSTANT uint buffer_gravity = 8u;           // the bones' share of it
-BUFFERS_CONSTANT uint buffer_surface = 9u;           // three floats a render vertex
+BUFFERS_CONSTANT uint buffer_gravity = 8u;           // change of gravity as the bones turn
+BUFFERS_CONSTANT uint buffer_surface = 9u;           // three floats per render vertex
 
 // Static.
 BUFFERS_CONSTANT uint buffer_rest = 10u;           // rest position, pull
 BUFFERS_CONSTANT uint buffer_tag = 11u;            // tag of shared.h, above it the one-ring's size
 BUFFERS_CONSTANT uint buffer_slice = 12u;          // first entry of each slice of one-rings
-BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced: neighbours; empty where they are near
-BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced: shares; near: and neighbours
-BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced: shares; near: and neighbours
+BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced: neighbours; empty if all are near
+BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced: shares; if near, neighbours too
+BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced: shares; if near, neighbours too
 BUFFERS_CONSTANT uint buffer_region_rest = 16u;    // c0_r - q0_r, 1/W_r
 BUFFERS_CONSTANT uint buffer_muscle_offset = 17u;  // first RegionMuscle of each region, and the count
 BUFFERS_CONSTANT uint buffer_region_frame = 18u;   // RegionFrame
@@ -42,12 +42,12 @@ BUFFERS_CONSTANT uint buffer_skin_weight = 21u;
 BUFFERS_CONSTANT uint buffer_force_offset = 22u;
 BUFFERS_CONSTANT uint buffer_force_index = 23u;
 BUFFERS_CONSTANT uint buffer_force_coefficient = 24u;
-BUFFERS_CONSTANT uint buffer_surface_vertex = 25u;  // uvec4 a render vertex
+BUFFERS_CONSTANT uint buffer_surface_vertex = 25u;  // uvec4 per render vertex
 BUFFERS_CONSTANT uint buffer_surface_weight = 26u;
 BUFFERS_CONSTANT uint buffer_region_muscle = 33u;  // RegionMuscle
 BUFFERS_CONSTANT uint buffer_region_volume = 34u;  // b, |A0^-1|^2, gain of kernel/volume.inc
 
-// A frame's drive.
+// Drive of a frame.
 BUFFERS_CONSTANT uint buffer_bone = 27u;
 BUFFERS_CONSTANT uint buffer_muscle = 28u;
 BUFFERS_CONSTANT uint buffer_force = 29u;
@@ -57,16 +57,15 @@ BUFFERS_CONSTANT uint buffer_decay = 30u;
 BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
-// An implicit model's, beside those of State. One vec4 a vertex.
-BUFFERS_CONSTANT uint buffer_position_before =
-    35u;  // a substep before, from predict on where the substep began
+// State of an implicit model. One vec4 per vertex.
+BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep earlier; from predict on the substep's start
 BUFFERS_CONSTANT uint buffer_velocity_before = 36u;
 BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
-BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the last iteration but one
-BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, of backward Euler, then of BDF2
+BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the iterate before the last
+BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, for backward Euler, then for BDF2
 
-// Of a model with ties.
-BUFFERS_CONSTANT uint buffer_tied = 41u;  // the accelerations by ties, one vec4 a vertex
+// Models with ties.
+BUFFERS_CONSTANT uint buffer_tied = 41u;  // the accelerations from ties, one vec4 per vertex
 BUFFERS_CONSTANT uint buffer_tie = 42u;   // Tie
 BUFFERS_CONSTANT uint buffer_tie_offset = 43u;
 BUFFERS_CONSTANT uint buffer_tie_index = 44u;
@@ -76,71 +75,69 @@ BUFFERS_CONSTANT uint buffer_alpha = 46u;
 BUFFERS_CONSTANT uint buffer_carried =
     37u;  // share of the skeleton's acceleration that a vertex does not feel
 
-// Of a model with limits.
+// Models with limits.
 BUFFERS_CONSTANT uint buffer_limit = 47u;         // Limit
 BUFFERS_CONSTANT uint buffer_limit_offset = 48u;  // first entry of each vertex, and the count
 BUFFERS_CONSTANT uint buffer_limit_entry = 49u;   // 4 x Limit + corner
-BUFFERS_CONSTANT uint buffer_mobility = 50u;      // a float a vertex
-BUFFERS_CONSTANT uint buffer_lack = 51u;          // a float a Limit
-BUFFERS_CONSTANT uint buffer_limit_load = 52u;    // a float a vertex
+BUFFERS_CONSTANT uint buffer_mobility = 50u;      // one float per vertex
+BUFFERS_CONSTANT uint buffer_lack = 51u;          // one float per Limit
+BUFFERS_CONSTANT uint buffer_limit_load = 52u;    // one float per vertex
 
-// Of a model with contact.
+// Models with contact.
 BUFFERS_CONSTANT uint buffer_contact = 53u;              // ContactPoint
 BUFFERS_CONSTANT uint buffer_contact_near = 54u;         // VertexRun
 BUFFERS_CONSTANT uint buffer_contact_tetrahedron = 55u;  // uvec4: corners
-BUFFERS_CONSTANT uint buffer_contact_depth = 56u;        // a float a vertex
-BUFFERS_CONSTANT uint buffer_contact_number = 57u;       // of each vertex its ContactPoint, or no_contact
+BUFFERS_CONSTANT uint buffer_contact_depth = 56u;        // one float per vertex
+BUFFERS_CONSTANT uint buffer_contact_number = 57u;       // each vertex's ContactPoint, or no_contact
 BUFFERS_CONSTANT uint buffer_contact_offset = 58u;       // first entry of each vertex, and the count
 BUFFERS_CONSTANT uint buffer_contact_entry = 59u;        // 4 x tetrahedron + corner
-BUFFERS_CONSTANT uint buffer_contact_rest_box = 60u;    // two vec4 a box: of the leaves, then of the branches
-BUFFERS_CONSTANT uint buffer_contact_box = 61u;         // two vec4 a leaf: where it reaches to now
-BUFFERS_CONSTANT uint buffer_contact_branch_box = 62u;  // the same of a branch
-BUFFERS_CONSTANT uint buffer_contact_found = 63u;       // the tetrahedron that a point lies in, or no_contact
-BUFFERS_CONSTANT uint buffer_contact_place = 64u;       // three vec4 a point: weights, push, normal
+BUFFERS_CONSTANT uint buffer_contact_rest_box = 60u;     // two vec4 per box: the leaves, then the branches
+BUFFERS_CONSTANT uint buffer_contact_box = 61u;          // two vec4 per leaf: its current bounds
+BUFFERS_CONSTANT uint buffer_contact_branch_box = 62u;   // the same per branch
+BUFFERS_CONSTANT uint buffer_contact_found = 63u;    // the tetrahedron that each point lies in, or no_contact
+BUFFERS_CONSTANT uint buffer_contact_place = 64u;    // three vec4 per point: weights, push, normal
 BUFFERS_CONSTANT uint buffer_contact_first = 65u;    // the first point of each tetrahedron's chain, or none
-BUFFERS_CONSTANT uint buffer_contact_next = 66u;     // the next of each point in its chain, or none
-BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, a float a vertex
-BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
+BUFFERS_CONSTANT uint buffer_contact_next = 66u;     // the point after each in its chain, or none
+BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, one float per vertex
+BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, one vec4 per point
 
-// Of a model with colliders.
-BUFFERS_CONSTANT uint buffer_spared = 69u;    // a uint a vertex: the solids that do not hold it, a bit each
-BUFFERS_CONSTANT uint buffer_collider = 70u;  // Collider, a frame's
+// Models with colliders.
+BUFFERS_CONSTANT uint buffer_spared = 69u;    // one uint per vertex: a bit for each solid it ignores
+BUFFERS_CONSTANT uint buffer_collider = 70u;  // Collider, of one frame
 
-// Of a model with contact some of which the scene does not want.
+// Models whose scene excludes some contacts.
 BUFFERS_CONSTANT uint buffer_contact_ignored =
-    71u;                                           // a uint a point: groups that it does not meet, a bit each
-BUFFERS_CONSTANT uint buffer_contact_group = 72u;  // a uint a tetrahedron: the groups that it is of
+    71u;  // one uint per point: a bit for each group it does not meet
+BUFFERS_CONSTANT uint buffer_contact_group = 72u;  // one uint per tetrahedron: a bit for each group it is in
 
 BUFFERS_CONSTANT uint buffer_count = 73u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;
-// Of near entries: the neighbour less the slice's first vertex, signed, and above it the share in parts of
-// 2^-16.
+// Near entries: the neighbour minus the slice's first vertex, signed; above it the share in units of 2^-16.
 BUFFERS_CONSTANT uint share_shift = 16u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
 BUFFERS_CONSTANT uint constant_muscles = 1u;   // the model has muscles
-BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gravity
+BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces besides gravity
 BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all of the skeleton's acceleration
 BUFFERS_CONSTANT uint constant_volume = 4u;    // some regions have a volume term
-BUFFERS_CONSTANT uint constant_implicit = 5u;  // the model is an implicit one
+BUFFERS_CONSTANT uint constant_implicit = 5u;  // the model is implicit
 BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
-BUFFERS_CONSTANT uint constant_group_size = 7u;  // invocations of a workgroup, a multiple of slice_width
-BUFFERS_CONSTANT uint constant_near = 8u;        // all neighbours and shares fit 16 bits
-BUFFERS_CONSTANT uint constant_ahead = 9u;       // neighbours that are read before the first is used
-BUFFERS_CONSTANT uint constant_ignored_contact =
-    10u;  // some flesh does not meet some other, as the scene says
+BUFFERS_CONSTANT uint constant_group_size = 7u;        // invocations per workgroup, a multiple of slice_width
+BUFFERS_CONSTANT uint constant_near = 8u;              // all neighbours and shares fit 16 bits
+BUFFERS_CONSTANT uint constant_ahead = 9u;             // neighbours read ahead of the first use
+BUFFERS_CONSTANT uint constant_ignored_contact = 10u;  // the scene excludes some contacts
 BUFFERS_CONSTANT uint constant_count = 11u;
 
-// The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
+// The self-test's results per row: scalar operations, operations on a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;
 BUFFERS_CONSTANT uint self_test_positives = 3u;
 BUFFERS_CONSTANT uint self_test_results = self_test_scalars + self_test_positives + 8u;
 
-// A dispatch's push constants. Invocation k of all works on item first_slice x slice_width + k, so that a
-// stage can be cut into several dispatches.
+// A dispatch's push constants. Invocation k over all workgroups handles item first_slice x slice_width + k,
+// so a stage can be split into several dispatches.
 struct Push {
   Substep substep;
   uint first_slice;

@@ -1,6 +1,6 @@
-// Stage collide, when a substep's positions are there: one invocation a vertex. The explicit integrator's velocities
-// are there too. Of the implicit one, y, the goal and the position all become the place where the vertex touches, so
-// that its velocity is the one that is written here; and what the next substep takes for the one before is moved.
+// Stage collide, once a substep's positions are known (and the explicit integrator's velocities): one invocation per
+// vertex. For the implicit integrator, y, the goal and the position all become the place where the vertex touches, so
+// that its velocity is the one written here; and the history that the next substep reads is shifted.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/collide.glsl"
@@ -18,7 +18,7 @@ void collide_implicit(uint i, Vector x, Vector v) {
   Vector pull =
       collide_pull(y, vector_of(goal[i]), response[push.implicit.first_response + i].to_goal);
   Vector free = collide_free_velocity(v, pull, push.implicit.inverse_step);
-  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  // The iterations end outside the solids, so test as well where the vertex would be without what they pushed away.
   Collided c = collided(i, start, x, free);
   Collided pushed = collided(i, start, vector_sum(y, pull), free);
   if (!c.touches && !pushed.touches) return;

@@ -1,4 +1,4 @@
-// Stage contact, last: what the impulses of its contacts do to a vertex. One invocation a vertex.
+// Stage contact, last: applies the impulses of its contacts to a vertex. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_sum.glsl"

@@ -1,4 +1,4 @@
-// Stage contact, first: boxes around the tetrahedra, whose chains are empty. One invocation a leaf.
+// Stage contact, first: boxes around the tetrahedra, and empty chains. One invocation per leaf.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact.glsl"

@@ -1,5 +1,5 @@
-// Stage contact, fourth: each point that has found a tetrahedron is put at the head of its chain. One invocation a
-// point.
+// Stage contact, fourth: puts each point that has found a tetrahedron at the head of that one's chain. One invocation
+// per point.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact.glsl"

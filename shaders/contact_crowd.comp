@@ -1,4 +1,4 @@
-// Stage contact, fifth: the sum of a vertex's coefficients in all contacts. One invocation a vertex.
+// Stage contact, fifth: the sum of a vertex's coefficients in all contacts. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_gather.glsl"

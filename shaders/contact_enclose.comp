@@ -1,4 +1,4 @@
-// Stage contact, second: boxes around the leaves' boxes. One invocation a branch.
+// Stage contact, second: boxes around the leaves' boxes. One invocation per branch.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact.glsl"

@@ -1,5 +1,5 @@
 // Stage contact, third: the first tetrahedron that a point lies in and may meet, its place there and the way out. The
-// boxes only spare tests: they hold every tetrahedron in them. One invocation a point.
+// boxes only save tests: each encloses all of its tetrahedra. One invocation per point.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_find.glsl"

@@ -1,4 +1,5 @@
-// Stage contact within the implicit integrator's iterations: what holds each point. One invocation a point.
+// Stage contact within the implicit integrator's iterations: the impulse that holds each point. One invocation per
+// point.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_pair.glsl"
@@ -8,7 +9,7 @@ float part_of(uint i) {
   return contact_part(contact_yielding(mobility[i], to_inertia), contact_crowd[i]);
 }
 
-// The way since the substep began.
+// The displacement since the substep began.
 Vector way_of(uint i) {
   return subtract(vector_of(position[i]), vector_of(position_before[i]));
 }

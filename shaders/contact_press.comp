@@ -1,4 +1,4 @@
-// Stage contact, sixth: the impulse of each contact. One invocation a point.
+// Stage contact, sixth: the impulse of each contact. One invocation per point.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_pair.glsl"

@@ -1,5 +1,5 @@
-// Stage contact after the implicit integrator's velocities: what settles its contacts changes a vertex's velocity. One
-// invocation a vertex.
+// Stage contact after the implicit integrator's velocities: applies the impulses that settle its contacts to a vertex's
+// velocity. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_sum.glsl"

@@ -1,5 +1,5 @@
-// Stage contact after the implicit integrator's velocities: what brings each contact that presses to rest. One
-// invocation a point.
+// Stage contact after the implicit integrator's velocities: the impulse that brings each pressing contact to rest. One
+// invocation per point.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_pair.glsl"

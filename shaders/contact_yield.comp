@@ -1,5 +1,5 @@
-// Stage contact within the implicit integrator's iterations: what holds its points moves a vertex. One invocation a
-// vertex.
+// Stage contact within the implicit integrator's iterations: moves a vertex by the impulses that hold its points. One
+// invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_sum.glsl"

@@ -1,4 +1,4 @@
-// Copies 16 bytes an invocation from one buffer to another: the rate of a device's memory, for fascicle bench.
+// Copies 16 bytes per invocation from one buffer to another: measures a device's memory bandwidth, for fascicle bench.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"

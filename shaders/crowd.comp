@@ -1,5 +1,5 @@
-// Stage limit, second of a pass: how many tetrahedra at a vertex lack volume, times its mobility, and where it is. One
-// invocation a vertex.
+// Stage limit, second of a pass: the number of tetrahedra at a vertex that lack volume, times its mobility; and a copy
+// of its position. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/limit.glsl"

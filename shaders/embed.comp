@@ -1,4 +1,4 @@
-// Stage embed: one invocation a render vertex.
+// Stage embed: one invocation per render vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"

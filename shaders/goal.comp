@@ -1,4 +1,4 @@
-// Stage goal: one invocation a vertex.
+// Stage goal: one invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/goal.glsl"

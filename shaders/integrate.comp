@@ -1,4 +1,4 @@
-// Stage integrate: one invocation a vertex.
+// Stage integrate: one invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/integrate.glsl"

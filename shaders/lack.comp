@@ -1,4 +1,4 @@
-// Stage limit, first of a pass: how much volume each tetrahedron lacks. One invocation a tetrahedron.
+// Stage limit, first of a pass: how much volume each tetrahedron lacks. One invocation per tetrahedron.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/limit.glsl"

@@ -1,4 +1,4 @@
-// Stage limit, last of a pass: vertices of tetrahedra that lack volume move apart. One invocation a vertex.
+// Stage limit, last of a pass: vertices of tetrahedra that lack volume move apart. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/limit.glsl"

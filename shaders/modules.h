@@ -7,10 +7,10 @@
 
 namespace fascicle::shader {
 
-// The SPIR-V of NAME.comp. Throws std::invalid_argument where there is no such file.
+// The SPIR-V of NAME.comp. Throws std::invalid_argument if there is no such file.
 std::span<const std::uint32_t> module_of(std::string_view name);
 
-// The names of all, in alphabetical order.
+// All names, in alphabetical order.
 std::span<const std::string_view> module_names();
 
 }  // namespace fascicle::shader

@@ -1,4 +1,4 @@
-// Stage collide within the implicit integrator's iterations: each ends before the solids. One invocation a vertex.
+// Stage collide within the implicit integrator's iterations: each ends outside the solids. One invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/collide.glsl"

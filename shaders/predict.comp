@@ -1,4 +1,4 @@
-// Stage predict: one invocation a vertex.
+// Stage predict: one invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/predict.glsl"

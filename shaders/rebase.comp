@@ -1,4 +1,4 @@
-// Before a frame's first substep: positions and skinned positions as seen from the frame's new origin.
+// Before a frame's first substep: makes positions and skinned positions relative to the frame's new origin.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"

@@ -1,4 +1,4 @@
-// Stage region: one invocation a region.
+// Stage region: one invocation per region.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"
@@ -20,7 +20,7 @@ RegionSum no_terms() {
   return sum;
 }
 
-// What a region reads of one neighbour.
+// What a region reads from one neighbour.
 struct Neighbour {
   float share;
   vec4 place;
@@ -41,7 +41,7 @@ RegionSum neighbour_term(Neighbour n, Vector q, Vector q0) {
   return region_term(n.share * n.record.w, subtract(vector_of(n.place), q), subtract(vector_of(n.record), q0));
 }
 
-// `degree` is at least 1. What several neighbours are is on its way before the first of them is needed.
+// `degree` is at least 1. Several neighbours are loaded before the first is used.
 RegionSum sum_of_neighbours(uint r, uint degree, Vector q, Vector q0) {
   uint entry = ring_start(r);
   RegionSum sum = neighbour_term(load_neighbour(r, entry), q, q0);
@@ -110,7 +110,7 @@ void main() {
   turn.z = last.w;
   vec4 centre = region_rest[r];
 
-  // Without neighbours, or with no weight at all, the sums are nothing: the last rotation stays.
+  // Without neighbours or weight the sums are zero and the last rotation stays.
   RegionSum sum = no_terms();
   uint degree = ring_size(r);
   if (degree != 0u && centre.w > 0.0f) sum = sum_of_neighbours(r, degree, q, q0);

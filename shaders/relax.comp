@@ -1,4 +1,4 @@
-// Stage relax: one invocation a vertex.
+// Stage relax: one invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/relax.glsl"

@@ -1,4 +1,4 @@
-// The self-test: one invocation a row of the table, self_test_results results each.
+// The self-test: one invocation per row of the table, self_test_results results each.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/buffers.h"

@@ -1,4 +1,4 @@
-// Stage skin: one invocation a vertex.
+// Stage skin: one invocation per vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"

@@ -1,4 +1,4 @@
-// Stages predict, goal and integrate in one dispatch, for runs that nobody probes: the same kernels, the same bits.
+// Stages predict, goal and integrate in one dispatch, for runs without a probe: the same kernels, the same bits.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/goal.glsl"

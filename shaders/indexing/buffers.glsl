@@ -1,4 +1,4 @@
-// The buffers as GLSL declarations, and their items as the kernels' types. An invocation writes its own items only.
+// The buffers as GLSL declarations, and their items as the kernels' types. An invocation writes only its own items.
 #ifndef FASCICLE_INDEXING_BUFFERS_GLSL
 #define FASCICLE_INDEXING_BUFFERS_GLSL
 #include "shaders/buffers.h"
@@ -74,18 +74,18 @@ layout(std430, binding = buffer_tie_coefficient) readonly buffer TieCoefficientB
 
 uint item_index() { return push.first_slice * slice_width + gl_GlobalInvocationID.x; }
 
-// Entry k of the one-ring of vertex i lies at ring_start(i) + k ring_stride.
+// Entry k of vertex i's one-ring is at ring_start(i) + k ring_stride.
 const uint ring_stride = slice_width;
 uint ring_start(uint i) { return slice[i / slice_width] + (i % slice_width); }
 uint ring_size(uint i) { return tag_and_degree[i] >> degree_shift; }
 
-// An entry of vertex i, `word` what share_taken or share_given holds of it: the neighbour and its share.
+// An entry of vertex i; `word` is its word in share_taken or share_given: the neighbour and its share.
 uint neighbour_of(uint i, uint entry, uint word) {
   if (with_near) return uint(int(i / slice_width * slice_width) + (int(word << share_shift) >> share_shift));
   return ring[entry];
 }
 float share_of(uint word) {
-  // 16 bits below the one of 1 are a share: without a conversion, and exact.
+  // The 16 bits of a share, added below those of 1: exact, without a conversion.
   if (with_near) return uintBitsToFloat(0x3f800000u | (word >> share_shift) << 7u) - 1.0f;
   return uintBitsToFloat(word);
 }

@@ -1,4 +1,4 @@
-// Where the solids let a vertex go, shared by collide.comp and obstruct.comp.
+// How solids stop a vertex, shared by collide.comp and obstruct.comp.
 #ifndef FASCICLE_INDEXING_COLLIDE_GLSL
 #define FASCICLE_INDEXING_COLLIDE_GLSL
 #include "shaders/indexing/buffers.glsl"
@@ -26,18 +26,18 @@ CollideShape shape_of(Collider c) {
 
 struct Collided {
   Vector place;
-  Vector raised;    // on the way there, without speed
+  Vector raised;    // the part of the move that adds no velocity
   Vector velocity;  // with the solids' impulses
   bool touches;
 };
 
-// The solids that pressed last, the newer one first, and the directions away from them.
+// The last two solids that pressed, the newer one first, and the directions away from them.
 struct Pressing {
   uint newer, older;
   Vector away_newer, away_older;
 };
 
-// One solid's part, `pressing` being those before it. Whether it touches.
+// Applies one solid; `pressing` are the last ones before it. Returns whether it touches.
 bool collided_with(uint k, Vector start, bool rubs, inout Pressing pressing, inout Collided r) {
   Collider c = collider[push.substep.first_collider + k];
   CollideShape shape = shape_of(c);
@@ -55,7 +55,7 @@ bool collided_with(uint k, Vector start, bool rubs, inout Pressing pressing, ino
   if (rubs) other = zero_vector();
   r.place = snap_vector(vector_sum(
       r.place, collide_led(collide_turned_back(map.linear, m.move), away, other)));
-  // Each look lifts by the same again where another solid has undone it: the first one counts.
+  // Later passes repeat the lift if another solid has undone it; only the first counts.
   if (rubs) r.raised = vector_sum(r.raised, collide_turned_back(map.linear, m.raised));
   Vector moved = subtract(r.place, collide_carried_from(map_before, apply(map, r.place)));
   Vector seen = multiply(map.linear, subtract(r.velocity, scaled_vector(push.substep.inverse_h, moved)));
@@ -71,7 +71,7 @@ bool collided_with(uint k, Vector start, bool rubs, inout Pressing pressing, ino
   return true;
 }
 
-// Vertex i on its way from `start` to `place`, one solid after the other.
+// Moves vertex i from `start` to `place`, one solid after another.
 Collided collided(uint i, Vector start, Vector place, Vector velocity) {
   Collided r;
   r.place = place;
@@ -84,7 +84,7 @@ Collided collided(uint i, Vector start, Vector place, Vector velocity) {
   pressing.older = none;
   pressing.away_newer = zero_vector();
   pressing.away_older = zero_vector();
-  uint unmoved = 0u;  // since that many solids
+  uint unmoved = 0u;  // number of solids since the last one that touched
   for (uint pass = 0u; pass < collide_passes && unmoved < none; ++pass) {
     for (uint k = 0u; k < none && unmoved < none; ++k) {
       bool touches = false;

@@ -1,4 +1,4 @@
-// What the shaders of stage contact share.
+// Shared by the shaders of stage contact.
 #ifndef FASCICLE_INDEXING_CONTACT_GLSL
 #define FASCICLE_INDEXING_CONTACT_GLSL
 #include "shaders/indexing/buffers.glsl"
@@ -34,7 +34,7 @@ Vector rest_of(uint i) { return vector_of(rest[i]); }
 bool box_holds(vec4 low, vec4 high, Vector x) {
   return x.x >= low.x && x.x <= high.x && x.y >= low.y && x.y <= high.y && x.z >= low.z && x.z <= high.z;
 }
-// A box around nothing. What is no number grows no box, whichever corner it belongs to.
+// An empty box. NaN extends no box.
 const vec4 nothing_is_lower = vec4(3.0e38f, 3.0e38f, 3.0e38f, 0.0f);
 const vec4 nothing_is_higher = vec4(-3.0e38f, -3.0e38f, -3.0e38f, 0.0f);
 vec4 lower(vec4 a, vec4 b) {

@@ -1,4 +1,4 @@
-// Whether a point and a tetrahedron are in contact; what of it later kernels need.
+// Whether a point and a tetrahedron are in contact, and the data that later kernels need.
 #ifndef FASCICLE_INDEXING_CONTACT_FIND_GLSL
 #define FASCICLE_INDEXING_CONTACT_FIND_GLSL
 #include "shaders/indexing/contact.glsl"
@@ -7,7 +7,7 @@ layout(constant_id = constant_ignored_contact) const bool with_ignored_contact =
 layout(std430, binding = buffer_contact_ignored) readonly buffer ContactIgnoredBuffer { uint contact_ignored[]; };
 layout(std430, binding = buffer_contact_group) readonly buffer ContactGroupBuffer { uint contact_group[]; };
 
-// Whether nothing in a box can meet the point, as all of it lies near it at rest.
+// Whether nothing in a box can meet the point, because the whole box is near it at rest.
 bool is_near_at_rest(ContactPoint point, uint box) {
   if (point.near_count > 0u) return false;
   vec4 low = contact_rest_box[2u * box];
@@ -24,7 +24,7 @@ bool is_across_a_gap(ContactPoint point, uint vertex) {
   return false;
 }
 
-// How deep a vertex lies for a point that ignores these groups: host/model/contact_depth.h.
+// The depth of a vertex for a point that ignores these groups: host/model/contact_depth.h.
 float depth_of(uint vertex, uint ignored) {
   float depth = contact_depth[vertex];
   uint first = push.substep.vertex_count;

@@ -1,4 +1,4 @@
-// The sum of a vertex's impulses: of its own contact, then of those in its tetrahedra.
+// The sum of a vertex's impulses: first from its own contact, then from those in its tetrahedra.
 #ifndef FASCICLE_INDEXING_CONTACT_SUM_GLSL
 #define FASCICLE_INDEXING_CONTACT_SUM_GLSL
 #include "shaders/indexing/contact_gather.glsl"

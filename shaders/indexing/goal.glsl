@@ -4,7 +4,7 @@
 #include "shaders/indexing/buffers.glsl"
 #include "shaders/kernel/goal.inc"
 
-// What a vertex reads of one region that it is part of.
+// What a vertex reads from one of its regions.
 struct Pull {
   float share;
   Transform region;

@@ -21,7 +21,7 @@ void move_kinematic(uint i) {
   if (has_skeleton()) position[i] = skinned[i];
 }
 
-// The implicit integrator's: the position is there, the velocity follows.
+// For the implicit integrator: the position is known, the velocity follows.
 void finish_implicit(uint i) {
   Vector u = velocity_of_skin(i);
   if (with_carried) skinned_velocity_before[i] = record_of(u);

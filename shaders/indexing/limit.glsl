@@ -1,4 +1,4 @@
-// What the shaders of stage limit share.
+// Shared by the shaders of stage limit.
 #ifndef FASCICLE_INDEXING_LIMIT_GLSL
 #define FASCICLE_INDEXING_LIMIT_GLSL
 #include "shaders/indexing/buffers.glsl"

@@ -5,7 +5,7 @@
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/tie.inc"
 
-// Gravity, the scene's forces and the ties on vertex i.
+// Acceleration of vertex i by gravity, the scene's forces and ties.
 Vector external_acceleration(uint i) {
   Vector a;
   a.x = push.substep.gravity_x;
@@ -27,7 +27,7 @@ Vector external_acceleration(uint i) {
   return a;
 }
 
-// The velocity of free vertex i with the external forces in.
+// The velocity of free vertex i, external forces included.
 Vector predicted_velocity(uint i) {
   Vector a = external_acceleration(i);
   Vector v = vector_of(velocity[i]);
@@ -36,7 +36,7 @@ Vector predicted_velocity(uint i) {
   return predict_velocity(v, a, push.substep.h);
 }
 
-// The implicit integrator's: y, and the position from which its iterations start.
+// For the implicit integrator: y, and the position where its iterations start.
 void begin_implicit(uint i) {
   vec4 q = position[i];
   Vector q_before = vector_of(position_before[i]);

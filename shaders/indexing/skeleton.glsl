@@ -1,4 +1,4 @@
-// The skeleton's motion at one vertex, shared by what predict and integrate do.
+// The skeleton's motion at one vertex, shared by stages predict and integrate.
 #ifndef FASCICLE_INDEXING_SKELETON_GLSL
 #define FASCICLE_INDEXING_SKELETON_GLSL
 #include "shaders/indexing/buffers.glsl"

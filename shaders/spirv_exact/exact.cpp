@@ -17,7 +17,7 @@ bool is_annotation(spv::Op opcode) {
   return opcode == spv::OpDecorate || opcode == spv::OpMemberDecorate;
 }
 
-// A literal string in a module: bytes, a zero, and zeros up to a whole word.
+// A literal string in a module: its bytes, a zero, and zeros up to a whole word.
 Words words_of(const std::string& text) {
   Words words(text.size() / 4 + 1, 0);
   std::memcpy(words.data(), text.data(), text.size());
@@ -64,7 +64,7 @@ Words add_float_controls(Module module, FloatControls controls) {
   }
   if (modes.empty()) return Words(module.begin(), module.end());
 
-  // A module's order is: capabilities, extensions, imports, memory model, entry points, execution modes.
+  // The order of a module: capabilities, extensions, imports, memory model, entry points, execution modes.
   const std::vector<Instruction> instructions = instructions_of(module);
   Words out(module.begin(), module.begin() + header_words);
   std::uint32_t entry_point = 0;

@@ -11,10 +11,10 @@ struct Range {
   spv::Op first, last;
 };
 
-// Opcodes that compute no float, or are checked further below. What is not here is refused: float division,
-// extended instructions, conversions, dot and matrix products, derivatives, atomics but the exchange,
-// subgroup operations and all that a later compiler may come to emit. Which fields are exchanged is in the
-// schedule (host/model/stages.h), which tests hold against the shaders.
+// Opcodes that compute no float, or are checked further below. All others are rejected: float division,
+// extended instructions, conversions, dot and matrix products, derivatives, atomics except exchange, subgroup
+// operations and whatever a later compiler may emit. The schedule (host/model/stages.h) lists the fields that
+// are exchanged; tests compare it with the shaders.
 constexpr std::array<Range, 30> harmless{{
     {spv::OpNop, spv::OpUndef},
     {spv::OpSource, spv::OpLine},
@@ -53,7 +53,7 @@ bool is_harmless(spv::Op opcode) {
                      [&](const Range& r) { return r.first <= opcode && opcode <= r.last; });
 }
 
-// Shader, and the two that add_float_controls brings.
+// Shader, and the two that add_float_controls adds.
 bool is_harmless_capability(std::uint32_t capability) {
   return capability == spv::CapabilityShader || capability == spv::CapabilitySignedZeroInfNanPreserve ||
          capability == spv::CapabilityRoundingModeRTE;
@@ -82,7 +82,7 @@ std::vector<std::string> lint(Module module) {
                                           : std::string("operation not on the list of harmless ones"));
       continue;
     }
-    // An undefined value is whatever a driver likes, and need not be the same at each use.
+    // An undefined value is up to the driver, and need not be the same at each use.
     if (i.opcode == spv::OpUndef) fault(i, "undefined value");
     if (is_float_arithmetic(i.opcode) && !scalar_floats.contains(i.words[1]))
       fault(i, "float arithmetic on something other than a 32-bit scalar");

@@ -1,6 +1,5 @@
 // spirv_exact IN.spv OUT.spv
-//   writes the exact form of a compiled shader, or fails if the shader uses what no device need compute
-//   alike.
+//   writes the exact form of a compiled shader; fails if devices could compute it differently.
 // spirv_exact --embed NAME IN.spv OUT.cpp
 //   writes the module as a C++ source that defines fascicle::shader::NAME_module().
 
@@ -30,8 +29,8 @@ Words read_words(const std::string& path) {
   return words;
 }
 
-// The output appears whole or not at all: a build that was stopped must not leave half a file with a new
-// date.
+// Writes the output completely or not at all: an interrupted build must not leave a partial file with a new
+// timestamp.
 void write_whole(const std::string& path, const char* data, std::size_t size) {
   const std::string part = path + ".part";
   std::ofstream file(part, std::ios::binary);

@@ -1,4 +1,4 @@
-// A SPIR-V module as a list of instructions, for the tool that makes shaders exact. Numbers have the names of
+// A SPIR-V module as a list of instructions, for the tool that makes shaders exact. Numbers use the names in
 // Khronos' header: spv::OpLoad, spv::DecorationBinding.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace fascicle::spirv_exact {
 using Words = std::vector<std::uint32_t>;
 using Module = std::span<const std::uint32_t>;
 
-// The words are not a SPIR-V module; says why.
+// The words are not a SPIR-V module; the message says why.
 struct ModuleError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -29,7 +29,7 @@ struct Instruction {
 };
 
 // The instructions of a module in order. Throws ModuleError if the header or an instruction's length is
-// wrong.
+// invalid.
 std::vector<Instruction> instructions_of(Module module);
 
 // Whether the instruction computes a float from floats. Its result id is words[2].
