@@ -69,7 +69,8 @@ Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::u
   return now;
 }
 
-// The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.
+// The rotation option selects a float approximation of (9); here (9) is solved exactly, so the option is
+// ignored.
 Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
   model::check_options(model, options);
   impl_ = std::make_unique<Impl>(model, options);
@@ -82,7 +83,7 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   Impl& s = *impl_;
   const model::Model& m = s.model;
   model::check_drive(m, drive);
-  // Float solvers see float(h): the reference takes the same step.
+  // Float solvers use float(h), so the reference takes the same step.
   const double h = float(drive.h);
   const Vector3d shift = vector_at(drive.origin_shift, 0);
   for (Vector3d& p : s.q) p -= shift;
@@ -139,8 +140,8 @@ model::Frame Oracle::collect() {
   return frame;
 }
 
-// State holds floats, so a run that goes through save() and load() differs from one that does not by one
-// rounding of positions and velocities (relative 6e-8).
+// State holds floats, so save() and load() round positions and velocities once (relative 6e-8); a run that
+// uses them differs by that from one that does not.
 model::State Oracle::save() const {
   model::State state;
   state.frame = impl_->frame;

@@ -1,6 +1,6 @@
 // Oracle: the method in double precision, written to be read beside the paper. Tests and `validate` step it
-// with the same drives as a float solver and compare. It shares no arithmetic with the kernels. It computes
-// weights, centres and T from the rest data itself, so that a Model is tested against it too.
+// with the same drives as a float solver and compare the two. It shares no arithmetic with the kernels. It
+// computes weights, centres and T from the rest data itself, so it tests the Model as well.
 #pragma once
 
 #include <memory>

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// What is nearer than this touches, as in the kernel.
+// A vertex nearer than this touches, as in the kernel.
 const double near = std::ldexp(1.0, -18);
 
 Eigen::Affine3d map_of(const float* rows) {
@@ -46,9 +46,9 @@ Side side_of(const shader::Collider& solid, const Vector3d& p) {
   return {distance - double(solid.radius), away};
 }
 
-// The share of the way from p0 to p1 after which it is near the solid for the first time; 1 where it never
-// is. The distance from a convex solid is a convex function: it falls to its least, which thirds find, and on
-// the way down halves find where it is small enough.
+// The share of the path from p0 to p1 at which it first comes near the solid; 1 if it never does. The
+// distance from a convex solid is a convex function along the path: ternary search finds its minimum, and
+// bisection finds where it first becomes small enough on the way there.
 double share_until_near(const shader::Collider& solid, const Vector3d& p0, const Vector3d& p1) {
   const auto distance_at = [&](double share) { return side_of(solid, p0 + share * (p1 - p0)).distance; };
   if (distance_at(0.0) <= near) return 0.0;
@@ -69,7 +69,7 @@ double share_until_near(const shader::Collider& solid, const Vector3d& p0, const
   return high;
 }
 
-// What Coulomb's friction takes off of `sliding` where `pressed` presses.
+// The part of `sliding` that Coulomb friction removes if `pressed` is the normal impulse.
 Vector3d held_by_friction(const Vector3d& sliding, double pressed, double friction) {
   const double slid = sliding.norm();
   return slid > 0.0 ? Vector3d(std::min(1.0, friction * pressed / slid) * sliding) : Vector3d(sliding);
@@ -79,7 +79,7 @@ struct Push {
   Vector3d move, raised, away;  // in the solid's own space
 };
 
-// What goes from p0 to p1, both seen from the solid; nothing where it does not touch.
+// The push on a vertex that moves from p0 to p1, both relative to the solid; nothing if it does not touch.
 std::optional<Push> push_of(const shader::Collider& solid, double friction, const Vector3d& p0,
                             const Vector3d& p1) {
   const Vector3d way = p1 - p0;
@@ -96,14 +96,14 @@ std::optional<Push> push_of(const shader::Collider& solid, double friction, cons
               (lift - stopped) * side.away, side.away};
 }
 
-// What stops what leads into the solid, of a velocity as seen from it.
+// The impulse that stops motion into the solid, for a velocity relative to it.
 Vector3d impulse_of(double friction, const Vector3d& velocity, const Vector3d& away) {
   const double along = velocity.dot(away), stopped = std::max(0.0, -along);
   return stopped * away - held_by_friction(velocity - along * away, stopped, friction);
 }
 
-// A push along `away` becomes one along the edge's plane: it leads as far away, and no nearer to the other
-// solid.
+// Turns a push along `away` into one along the other solid's plane: it leads as far away, and no nearer to
+// the other solid.
 Vector3d led_along(const Vector3d& push, const Vector3d& away, const std::optional<Vector3d>& other) {
   if (!other || away.dot(*other) >= 0.0) return push;
   const Vector3d along = away - away.dot(*other) * *other;
@@ -119,8 +119,8 @@ Collided collided(const model::Model& model, std::span<const shader::Collider> s
     std::size_t solid;
     Vector3d away;
   };
-  std::vector<Pressed> order;  // the last one is the newest
-  // Again and again, until none has touched since the last that did.
+  std::vector<Pressed> order;  // the newest is last
+  // Repeats until every solid has been passed without a touch since the last one.
   std::size_t looks = 0, left = solids.size();
   for (; left > 0 && looks < shader::collide_passes * solids.size(); ++looks, --left) {
     const std::size_t k = looks % solids.size();
@@ -138,7 +138,7 @@ Collided collided(const model::Model& model, std::span<const shader::Collider> s
     order.push_back({k, away});
     now.place += led_along(back * push->move, away, other);
     if (is_first) now.raised += back * push->raised;
-    // How fast the solid itself moves there.
+    // The solid's own velocity at that place.
     const Vector3d own = (now.place - map_before.inverse() * (map * now.place)) / h;
     now.velocity +=
         led_along(back * impulse_of(friction, map.linear() * (now.velocity - own), push->away), away, other);

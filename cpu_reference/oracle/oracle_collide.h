@@ -1,4 +1,4 @@
-// Stage collide in double precision: the solids, and how far flesh may go towards them.
+// Stage collide in double precision: solids, and how far flesh may move towards them.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace fascicle::cpu_reference {
 struct Collided {
   Eigen::Vector3d place;
   Eigen::Vector3d velocity;                          // with the solids' impulses
-  Eigen::Vector3d raised = Eigen::Vector3d::Zero();  // on the way there, without speed
+  Eigen::Vector3d raised = Eigen::Vector3d::Zero();  // the part of the move that adds no velocity
   bool touches = false;
 };
 
-// Vertex i on its way of h seconds from `start` to `place`, one solid of the substep after the other.
+// Moves vertex i from `start` to `place` in h seconds, past one of the substep's solids after another.
 Collided collided(const model::Model& model, std::span<const shader::Collider> solids, std::uint32_t i,
                   const Eigen::Vector3d& start, const Eigen::Vector3d& place, const Eigen::Vector3d& velocity,
                   double h);

@@ -17,17 +17,17 @@ using Eigen::Vector4d;
 
 namespace {
 
-// The least gradient of depth that shows a way out.
+// The smallest gradient of depth that gives a way out.
 constexpr double least_gradient = 0.1;
-// A vertex shares its mass between as many contacts as its coefficients add up to, in an explicit pass
+// A vertex shares its mass between as many contacts as its coefficients add up to; in an explicit pass,
 // between at least two.
 constexpr double least_crowd = 2.0;
-// What settling changes a corner's velocity by, at most, in parts of the contact's.
+// The most by which settling changes a corner's velocity, as a multiple of the contact's change.
 constexpr double most_settling = 4.0;
-// What an iteration of the implicit integrator takes out of the depth: a share at the most, and a share a
+// The part of the depth that an iteration of the implicit integrator removes: a share at most, and a rate per
 // second.
 constexpr double most_depth_share = 0.5, depth_rate = 180.0;
-// A contact is held in full from this part of its margin on, and less above it.
+// From this share of its margin on, a contact is held fully; above it, less.
 constexpr double full_depth = 1.0 / 32.0;
 
 // Columns: the edges from the first corner.
@@ -113,7 +113,7 @@ std::vector<double> Contacts::loads(const std::vector<Pair>& pairs, const std::v
   return crowd;
 }
 
-// What the point has more than its place in the tetrahedron.
+// The point's value minus that at its place in the tetrahedron.
 Vector3d Contacts::difference(const Pair& pair, const Points& of) const {
   Vector3d there = Vector3d::Zero();
   for (int k = 0; k < 4; ++k) there += pair.weights[k] * of[pair.corners[std::size_t(k)]];
@@ -126,7 +126,8 @@ double Contacts::load_of(const Pair& pair, const std::vector<double>& loads) con
   return load;
 }
 
-// The impulse, up to the load, that takes the point `wanted` along n where it would go by `moved`.
+// The impulse, before division by the load, that moves the point by `wanted` along n if it would otherwise
+// move by `moved`.
 Vector3d Contacts::push_of(const Pair& pair, const Vector3d& moved, double wanted) const {
   const double along = moved.dot(pair.normal);
   const double pushed = std::max(0.0, wanted - along);
@@ -183,7 +184,7 @@ Points Contacts::settling_gains(const std::vector<Pair>& pairs, const Points& v,
     for (int k = 0; k < 4; ++k)
       load = std::max(load, pair.weights[k] * mobility_[pair.corners[std::size_t(k)]] / most_settling);
     if (!pair.presses || !(load > 0.0)) continue;
-    // The next substep goes on with v + history (v - v_before).
+    // The next substep continues with v + history (v - v_before).
     const double rest = history / (1.0 + history) * difference(pair, v_before).dot(pair.normal);
     give(pair, (rest - difference(pair, v).dot(pair.normal)) / load * pair.normal, mobility_, gains);
   }

@@ -1,6 +1,5 @@
-// Contact of flesh with flesh, in double precision, from the rest data: which point lies in which tetrahedron
-// is found by looking at all of them. The response is ours and not the paper's (shaders/kernel/contact.inc
-// says what it is).
+// Contact between flesh and flesh, in double precision, from the rest data; tests every point against every
+// tetrahedron. The response is ours and not the paper's (shaders/kernel/contact.inc describes it).
 #pragma once
 
 #include <array>
@@ -20,30 +19,30 @@ class Contacts {
   explicit Contacts(const model::Model& model);
   bool empty() const { return model_.contact.empty(); }
 
-  // A point that lies in a tetrahedron which it may meet.
+  // A point inside a tetrahedron that it may meet.
   struct Pair {
     std::uint32_t point;                   // of Model::contact
     std::uint32_t tetrahedron;             // of Model::contact_tetrahedron
     std::array<std::uint32_t, 4> corners;  // vertices
-    Eigen::Vector4d weights;               // of the point's place between them
-    Eigen::Vector3d push, normal;          // d and n; 0 where nothing is pushed
+    Eigen::Vector4d weights;               // of the point's place in the tetrahedron
+    Eigen::Vector3d push, normal;          // d and n; 0 if there is no push
     bool presses = false;                  // in the last iteration
   };
-  // By ascending point.
+  // In ascending order of point.
   std::vector<Pair> found_at(const Points& places) const;
   // What a pass of the explicit response adds to the velocities `v` of all vertices.
   Points velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const;
-  // What an iteration of the implicit integrator moves all vertices by, which have moved by `moved` since the
-  // substep began; `yielding` is w', `step` is H.
+  // The moves of all vertices in an iteration of the implicit integrator; `moved` is their displacement since
+  // the substep began, `yielding` is w', `step` is H.
   Points held_moves(std::vector<Pair>& pairs, const Points& moved, const std::vector<double>& yielding,
                     double step) const;
-  // What brings the contacts that press to rest, in velocities.
+  // Changes of velocity that bring pressing contacts to rest.
   Points settling_gains(const std::vector<Pair>& pairs, const Points& v, const Points& v_before,
                         double history) const;
 
  private:
   std::optional<Pair> pair_of(std::uint32_t point, std::uint32_t tetrahedron, const Points& places) const;
-  // w times how many share the vertex.
+  // w times the number of contacts that share the vertex.
   std::vector<double> loads(const std::vector<Pair>& pairs, const std::vector<double>& mobility,
                             double least) const;
   double load_of(const Pair& pair, const std::vector<double>& loads) const;
@@ -54,7 +53,7 @@ class Contacts {
 
   const model::Model& model_;
   Points rest_;
-  std::vector<double> mobility_;  // inverse masses, 0 of kinematic vertices
+  std::vector<double> mobility_;  // inverse masses, 0 for kinematic vertices
 };
 
 }  // namespace fascicle::cpu_reference

@@ -34,12 +34,12 @@ Matrix3d region_moment(const Weights& weights, std::uint32_t r, const Matrix3d& 
   return A;
 }
 
-// With A = U S V^T, four rotations stand out: U diag(e) V^T with one of the sign patterns e below, d = det(U)
-// det(V) making the determinant +1. They are the stationary points of trace(R^T A), which is s1 e1 + s2 e2 +
-// s3 e3 there, so the first is the best. If others reach the same trace, the best rotations are all those
-// whose quaternions lie in the span of the tied ones' quaternions (which are orthogonal to each other), and
-// the nearest of them to the previous rotation is its projection. Thus a moment of rank one fixes an axis and
-// keeps the twist, and no moment at all keeps the rotation.
+// With A = U S V^T, four rotations are special: U diag(e) V^T with one of the sign patterns e below, where d
+// = det(U) det(V) makes the determinant +1. They are the stationary points of trace(R^T A), which is s1 e1 +
+// s2 e2 + s3 e3 there, so the first is the best. If others reach the same trace, the best rotations are all
+// those whose quaternions lie in the span of the tied ones' quaternions (which are mutually orthogonal), and
+// the one nearest to the previous rotation is its projection onto that span. So a moment of rank one fixes an
+// axis and keeps the twist, and a zero moment keeps the rotation.
 Quaterniond best_rotation(const Matrix3d& A, const Quaterniond& previous) {
   const Eigen::JacobiSVD<Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Matrix3d& U = svd.matrixU();
@@ -48,8 +48,8 @@ Quaterniond best_rotation(const Matrix3d& A, const Quaterniond& previous) {
   const double d = U.determinant() * V.determinant() < 0.0 ? -1.0 : 1.0;
   const std::array<Vector3d, 4> signs{Vector3d(1, 1, d), Vector3d(1, -1, -d), Vector3d(-1, 1, -d),
                                       Vector3d(-1, -1, d)};
-  // Sums of some 20 terms leave the singular values uncertain by about 2^-48 of the largest; smaller gaps are
-  // no gaps.
+  // Sums of some 20 terms leave the singular values uncertain by about 2^-48 of the largest; smaller gaps
+  // count as ties.
   const double best = s.dot(signs[0]);
   const double tie = std::ldexp(s[0], -40);
 
@@ -59,7 +59,7 @@ Quaterniond best_rotation(const Matrix3d& A, const Quaterniond& previous) {
     const Quaterniond candidate(Matrix3d(U * e.asDiagonal() * V.transpose()));
     nearest += candidate.coeffs().dot(previous.coeffs()) * candidate.coeffs();
   }
-  // Half a turn away from every best rotation there is no nearest one: any will do.
+  // If the previous rotation is half a turn from every best rotation, none is nearest and any will do.
   if (nearest.norm() < 1e-6)
     return Quaterniond(Matrix3d(U * signs[0].asDiagonal() * V.transpose())).normalized();
   return Quaterniond(nearest).normalized();
@@ -96,7 +96,7 @@ Matrix3d volume_push(const Matrix3d& A, const Matrix3d& A0, double G) {
   return G / inverse.trace() * bounded * C;
 }
 
-// (4) v_i <- v_i + h f_i/m_i + alpha (g_i - q_i)/h; the sum's two halves are separate stages
+// (4) v_i <- v_i + h f_i/m_i + alpha (g_i - q_i)/h; the two terms are separate stages
 Vector3d velocity_with_forces(const Vector3d& v, const Vector3d& acceleration, double h) {
   return v + h * acceleration;
 }
@@ -115,7 +115,7 @@ Vector3d moved_position(const Vector3d& q, const Vector3d& v, double h) {
   return q + h * v;
 }
 
-// (17) c = 1 + gain beta_r sin(theta) (n_r . tau), kept in [0.25, 4]
+// (17) c = 1 + gain beta_r sin(theta) (n_r . tau), clamped to [0.25, 4]
 double muscle_stretch(double bulge) {
   return std::clamp(1.0 + bulge, 0.25, 4.0);
 }

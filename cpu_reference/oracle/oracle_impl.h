@@ -1,5 +1,5 @@
-// What Oracle holds and what its stages do, one by one, and what a probe is shown of them:
-// oracle_stages.cpp. oracle.cpp runs them in their order.
+// Oracle's data and its stages, one by one, and their output for probes (oracle_stages.cpp). oracle.cpp runs
+// the stages in order.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@
 
 namespace fascicle::cpu_reference {
 
-// x y z, w x y z.
+// In the order x y z, and w x y z.
 void append(std::vector<float>& floats, const Eigen::Vector3d& v);
 void append(std::vector<float>& floats, const Eigen::Quaterniond& q);
 std::vector<float> floats_of(const Points& points);
@@ -49,25 +49,25 @@ struct Oracle::Impl {
   std::array<double, 3> origin{0, 0, 0};
   Points q, v;
   Points skinned;                   // of the last substep; empty without a skeleton
-  Points skinned_velocities;        // u of the last substep; empty where the model carries nothing
-  std::vector<RegionPose> regions;  // of these only R is history
-  Points q_before, v_before;        // implicit: a substep before
+  Points skinned_velocities;        // u of the last substep; empty if the model has no carried shares
+  std::vector<RegionPose> regions;  // only R is history
+  Points q_before, v_before;        // implicit: one substep earlier
   double step_before = 0.0;         // s: the length of that substep; 0 if there was none
 
   // Between the stages of a substep.
   Points skinned_before;
-  Points turned_gravity;  // the bones' change of gravity
-  Points tied;            // accelerations by ties; empty without
+  Points turned_gravity;  // change of gravity from the bones' rotation
+  Points tied;            // accelerations by ties; empty without ties
   std::vector<Contacts::Pair> contacts_found;
   Points goals;
   Points surface;
   Points y, iterate_before;            // implicit
-  std::vector<VertexHistory> history;  // implicit: as the substep began
-  std::vector<bool> is_pushed;         // implicit: by a solid, which has set its velocity
+  std::vector<VertexHistory> history;  // implicit: at the substep's start
+  std::vector<bool> is_pushed;         // implicit: by a solid, which has already set its velocity
 
   std::deque<model::Frame> frames;
 
-  // What the kernels of one substep are given.
+  // Input of the kernels in one substep.
   struct Substep {
     double h;
     Eigen::Vector3d gravity;
@@ -80,8 +80,8 @@ struct Oracle::Impl {
     std::optional<Chebyshev> chebyshev = std::nullopt;  // implicit
   };
   Substep substep_of(const model::Drive& drive, std::uint32_t number) const;
-  // A kernel of the plan (host/model/substep_plan.h). All passes of stage limit are one call: they are asked
-  // for by Kernel::limit.
+  // Runs a kernel of the plan (host/model/substep_plan.h). Kernel::limit runs all passes of stage limit in
+  // one call.
   void run(model::Kernel kernel, const Substep& now, std::uint32_t iteration);
 
   void skin(std::span<const shader::Bone> bones);
@@ -108,7 +108,7 @@ struct Oracle::Impl {
   Eigen::Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
   Eigen::Vector3d skinned_velocity(std::uint32_t i, double h) const;
   void carry(const model::Cut& cut, double h);
-  // A field at item i, as a probe is shown it.
+  // Appends a field at item i in the format for probes.
   void append_field(std::vector<float>& floats, model::Field field, std::uint32_t i) const;
   std::vector<float> output(model::Stage stage) const;
 };

@@ -20,7 +20,8 @@ using model::Model;
 
 namespace {
 
-// Calls visit(face, n) for each triangle of the body's surface, n its outward normal as long as its area.
+// Calls visit(face, n) for each triangle of the body's surface; n is its outward normal, with the area as
+// length.
 template <class Visit>
 void for_each_surface_triangle(const Model& model, Visit visit) {
   struct Sides {
@@ -45,8 +46,8 @@ void for_each_surface_triangle(const Model& model, Visit visit) {
   }
 }
 
-// The mean of u u^T over the directions u in which stress is passed on at each vertex: I/3 inside; (I - N)/2
-// on the free surface, N the mean of n n^T by area over the surface's triangles at the vertex.
+// The mean of u u^T over the directions u that transmit stress at each vertex: I/3 inside; (I - N)/2 on the
+// free surface, with N the area-weighted mean of n n^T over the surface's triangles at the vertex.
 std::vector<Matrix3d> stress_directions(const Model& model) {
   std::vector<Matrix3d> normals(model.vertex_count, Matrix3d::Zero());
   std::vector<double> area(model.vertex_count, 0.0);
@@ -56,7 +57,7 @@ std::vector<Matrix3d> stress_directions(const Model& model) {
       normals[v] += n.norm() * n.normalized() * n.normalized().transpose();
     }
   });
-  // Flesh ends under skin that slides: at the tetrahedra with one corner in it.
+  // Under sliding skin, flesh ends at the tetrahedra with one corner in that skin.
   const std::vector<bool> slides = sliding_vertices(model);
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
     std::vector<std::uint32_t> below;
@@ -76,9 +77,9 @@ std::vector<Matrix3d> stress_directions(const Model& model) {
   return directions;
 }
 
-// The tangents of the regions that are sheets (of free vertices in layers that slide, with all members on the
-// surface in such layers) as two columns: across the mean normal of the surface within these layers. 0 of
-// others.
+// The tangents, as two columns, of the regions that are sheets (those of free vertices in sliding layers,
+// with all members on the surface and in such layers): perpendicular to the mean normal of the surface within
+// these layers. 0 for other regions.
 std::vector<Eigen::Matrix<double, 3, 2>> sheet_tangents(const Model& model) {
   const std::vector<bool> slides = sliding_vertices(model);
   std::vector<Vector3d> normals(model.vertex_count, Vector3d::Zero());
@@ -126,10 +127,9 @@ std::vector<double> region_stiffness(const Model& model) {
     };
     add(r);
     for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) add(model.ring[e]);
-    // k_r D S = V_r u u^T under the stress u u^T, D what is left of the deformation when the region is turned
-    // back: it stretches by u.D u = (V_r/k_r) u.S^-1 u. Lengths are in working units: V holds unit^3 and S
-    // unit^2.
-    // In a sheet, u lies in it and so does D.
+    // k_r D S = V_r u u^T under the stress u u^T, where D is the deformation left after removing the region's
+    // rotation: it stretches by u.D u = (V_r/k_r) u.S^-1 u. Lengths are in working units: V holds unit^3 and
+    // S unit^2. In a sheet, both u and D lie in it.
     const Eigen::Matrix<double, 3, 2>& B = tangents[r];
     const double compliance = B.isZero(0.0) ? (directions[r] * S.inverse()).trace()
                                             : Eigen::Matrix2d(B.transpose() * S * B).inverse().trace() / 2.0;
@@ -161,12 +161,12 @@ Vector3d predicted_position(const VertexHistory& past, const Stepping& step, con
 }
 
 // q + h v_s with v_s = v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0,
-// |f|), damped as v_y is. Without history v.
+// |f|), damped like v_y. Without history v_s is v.
 Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
                              const Vector3d& u, double share) {
   Vector3d v = past.v;
   if (step.has_history) v += share * (past.v - past.v_before) / 2.0;
-  // Below 2^-20 an acceleration counts as none.
+  // An acceleration below 2^-20 counts as zero.
   if (step.has_history && f.squaredNorm() >= std::ldexp(1.0, -40)) {
     const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
     v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
@@ -188,8 +188,8 @@ Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, c
   return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
 }
 
-// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20. Where
-// factors go down to -s a, the share 1/(1 + s a) of each pass brings them to [0, (a + s a)/(1 + s a)].
+// The gain shifts and scales [0, a] to [-rho, rho], and for a_N T_{N-1}(1/rho) = 20. If factors go down to -s
+// a, taking the share 1/(1 + s a) of each pass maps them to [0, (a + s a)/(1 + s a)].
 Chebyshev::Chebyshev(std::uint32_t steps, double largest, double overshoot)
     : iterations(steps), stiffest(largest), share(1.0 / (1.0 + overshoot * largest)) {
   const double slowest = (largest + overshoot * largest) * share;
@@ -206,8 +206,8 @@ double Chebyshev::extrapolated() const {
   return std::min(1.0, reached / (1.0 - reached) / (stiffest / (1.0 - stiffest)));
 }
 
-// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh
-// t that is the following.
+// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, without an x_prev. With 1/rho = cosh t that
+// becomes the following.
 double Chebyshev::omega(std::uint32_t k) const {
   if (k == 0 || k + 1 == iterations) return 1.0;
   const double t = std::acosh(1.0 / rho);

@@ -11,9 +11,9 @@
 
 namespace fascicle::cpu_reference {
 
-// k_r = E_r V_r C_r, 1/s^2: V_r a quarter of each tetrahedron at r, C_r the region's compliance under a
-// uniaxial stress, averaged over the directions in which stress is passed on: all, and at a free surface
-// those along it. A sheet of skin that slides has no others.
+// k_r = E_r V_r C_r, 1/s^2: V_r is a quarter of each tetrahedron at r, C_r the region's compliance under a
+// uniaxial stress, averaged over the directions that transmit stress: all directions inside, those along the
+// surface at a free surface. A sheet of sliding skin has no others.
 std::vector<double> region_stiffness(const model::Model& model);
 
 // K_i = sum_{r: i in N_r} k_r m_i, kg/s^2.
@@ -28,7 +28,7 @@ struct Stepping {
   }
 };
 
-// What a vertex was: now and a substep before.
+// A vertex's state now and one substep earlier.
 struct VertexHistory {
   Eigen::Vector3d q, q_before, v, v_before;
 };
@@ -37,7 +37,7 @@ struct VertexHistory {
 Eigen::Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
                                    double d, const Eigen::Vector3d& u);
 
-// Where the iterations start; `share` of the acceleration that there was goes on.
+// The start of the iterations; `share` of the previous acceleration continues.
 Eigen::Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
                                     double d, const Eigen::Vector3d& u, double share);
 
@@ -49,19 +49,19 @@ Eigen::Vector3d pulled_position(const Eigen::Vector3d& y, const Eigen::Vector3d&
 Eigen::Vector3d differentiated_position(const Eigen::Vector3d& q, const VertexHistory& past,
                                         const Stepping& step);
 
-// Chebyshev's semi-iteration, for a matrix with eigenvalues in [0, a], a the least of a_N and `stiffest`: the
-// change that step k = 0, 1, ... makes is x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step
-// is a plain one. `overshoot`: with a volume term eigenvalues go down to about -overshoot a.
+// Chebyshev's semi-iteration, for a matrix with eigenvalues in [0, a], a the lesser of a_N and `stiffest`:
+// step k = 0, 1, ... changes x by x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step is a
+// plain one. `overshoot`: with a volume term eigenvalues go down to about -overshoot a.
 struct Chebyshev {
   Chebyshev(std::uint32_t steps, double largest, double overshoot = 0.0);
   double omega(std::uint32_t k) const;
   double gain(std::uint32_t k) const;
-  // The share of the last acceleration that the iterations start with: 1 where a_N reaches `stiffest`, and
-  // falling with the stiffness a / (1 - a) where it does not.
+  // The share of the last acceleration that the iterations start with: 1 if a_N reaches `stiffest`, otherwise
+  // falling with the stiffness a / (1 - a).
   double extrapolated() const;
   std::uint32_t iterations;
   double stiffest;
-  double share;  // of each pass that is taken
+  double share;  // the part of each pass that is applied
   double rho = 0.0;
 };
 

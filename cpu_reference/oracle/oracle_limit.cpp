@@ -12,13 +12,13 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Of what a tetrahedron lacks already, the share that it opens by in a substep.
+// The share of its initial lack by which a tetrahedron opens per substep: at most, and per second.
 constexpr double most_opening = 1.0, opening_rate = 240.0;
 
 }  // namespace
 
-// V = (b - a) . (c - a) x (d - a) / 6; the gradient by a corner is the area of the face across, towards it,
-// over 3.
+// V = (b - a) . (c - a) x (d - a) / 6; the gradient by a corner is a third of the opposite face's vector
+// area, directed towards the corner.
 VolumeGradients volume_gradients(const Points& q, const std::array<std::uint32_t, 4>& corner) {
   const Vector3d &a = q[corner[0]], &b = q[corner[1]], &c = q[corner[2]], &d = q[corner[3]];
   VolumeGradients g;
@@ -30,7 +30,7 @@ VolumeGradients volume_gradients(const Points& q, const std::array<std::uint32_t
   return g;
 }
 
-// Limits hold volumes times 6 and squares of gradients times 36, in parts of their size.
+// A Limit stores 6 times the volume and 36 times squared gradients, in units of its size.
 Limits::Limits(const model::Model& model) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     mobility_.push_back(model.is_kinematic(i) ? 0.0 : 1.0 / model.mass[i]);

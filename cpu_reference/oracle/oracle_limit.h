@@ -1,5 +1,5 @@
-// Tetrahedra that are not crushed, in double precision: what lacks volume is projected onto the volume that
-// it keeps, all at once, each with its part of its corners' masses. Ours and not the paper's.
+// Tetrahedra that resist crushing, in double precision: those that lack volume are projected onto the volume
+// that they keep, all together, each with its share of its corners' masses. Ours and not the paper's.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ class Limits {
   explicit Limits(const model::Model& model);
   bool empty() const { return tetrahedra_.empty(); }
   // Moves the vertices of tetrahedra that lack volume, in all passes of a substep of the integrator's step H.
-  // `before` is where they were when it began.
+  // `before` holds their positions when it began.
   void apply(Points& q, const Points& before, double step) const;
 
  private:
@@ -28,7 +28,7 @@ class Limits {
     double least_square;  // added to the square of each gradient, working units^4
   };
   std::vector<Tetrahedron> tetrahedra_;
-  std::vector<double> mobility_;  // inverse masses, 0 of kinematic vertices
+  std::vector<double> mobility_;  // inverse masses, 0 for kinematic vertices
 };
 
 // A tetrahedron's volume and its gradients by the corners.

@@ -1,4 +1,4 @@
-// The stages of a substep in double precision, as the paper has them, and what a probe is shown of each.
+// The stages of a substep in double precision, as in the paper, and their output for probes.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -22,7 +22,7 @@ Eigen::Affine3d map_of(const shader::Bone& B) {
   return map;
 }
 
-// The rotation in a map; none (the identity) if it mirrors or flattens.
+// The rotation in a map; the identity if it mirrors or flattens.
 Quaterniond rotation_in(const Eigen::Affine3d& map) {
   const Matrix3d linear = map.linear();
   if (linear.determinant() <= 0.0) return Quaterniond::Identity();
@@ -46,8 +46,8 @@ void Oracle::Impl::skin(std::span<const shader::Bone> bones) {
   }
 }
 
-// A cut: relative to the skeleton nothing happens. With R the turn from the blended map of the motion that
-// ends to that of the one that begins, q' = s' + R (q - s) and v' = u' + R (v - u).
+// A cut preserves the motion relative to the skeleton. With R the rotation from the blended map of the motion
+// that ends to that of the one that begins, q' = s' + R (q - s) and v' = u' + R (v - u).
 void Oracle::Impl::carry(const model::Cut& cut, double h) {
   const auto blended = [&](std::span<const shader::Bone> pose, std::uint32_t i) {
     Eigen::Affine3d map;
@@ -71,8 +71,7 @@ void Oracle::Impl::carry(const model::Cut& cut, double h) {
   step_before = 0.0;
 }
 
-// f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's forces by their coefficients +
-// ties.
+// f_i/m_i = gravity, as changed in the bones' frames, + the scene's forces by their coefficients + ties.
 Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
                                        std::span<const shader::Force> forces) const {
   Vector3d acceleration = tied.empty() ? gravity : gravity + tied[i];
@@ -86,7 +85,8 @@ Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
   return acceleration;
 }
 
-// The forces' half of (4). What of the skeleton's acceleration the vertex does not feel moves it along.
+// The force half of (4). The part of the skeleton's acceleration that a vertex does not feel carries it
+// along.
 void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
@@ -96,7 +96,8 @@ void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Forc
   }
 }
 
-// (15)(16)(17) of all muscles of a region, then the shear of their twist; the identity outside the muscles.
+// (15)(16)(17) for all muscles of a region, then the shear from their twist; the identity outside the
+// muscles.
 Matrix3d Oracle::Impl::scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const {
   if (model.muscle_count == 0) return Matrix3d::Identity();
   const shader::RegionFrame& directions = model.region_frame[r];
@@ -141,7 +142,7 @@ Vector3d Oracle::Impl::skinned_velocity(std::uint32_t i, double h) const {
   return (skinned[i] - skinned_before[i]) / h;
 }
 
-// The other half of (4), damping, and (5). Kinematic vertices go where skinning takes them, or stay.
+// The other half of (4), damping, and (5). Kinematic vertices follow skinning, or stay.
 void Oracle::Impl::integrate(std::span<const float> decay, double h) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const Vector3d u = skinned_velocity(i, h);
@@ -157,9 +158,9 @@ void Oracle::Impl::integrate(std::span<const float> decay, double h) {
   }
 }
 
-// The implicit integrator's predict: y and where the iterations start. The velocity u that damping is
-// relative to is the skinned one at the substep's end, and what the vertex does not feel of the skeleton's
-// acceleration is an acceleration.
+// The implicit integrator's predict: y and the start of the iterations. Damping is relative to the skinned
+// velocity u at the substep's end, and the part of the skeleton's acceleration that a vertex does not feel is
+// applied as an acceleration.
 void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces,
                                   const Stepping& step, double share) {
   history.resize(model.vertex_count);
@@ -196,14 +197,14 @@ void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
   }
 }
 
-// Each iteration ends before the solids.
+// Each iteration ends outside the solids.
 void Oracle::Impl::obstruct(const Substep& now) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (!model.is_kinematic(i))
       q[i] = collided(model, now.colliders, i, history[i].q, q[i], v[i], now.h).place;
 }
 
-// What limits move goes into the velocity: it is as if the vertex had been drawn there.
+// The moves of limits enter the velocity, like any other move that the iterations find.
 void Oracle::Impl::apply_limits(const Stepping& step) {
   const Points before = q;
   Points began(model.vertex_count);
@@ -215,7 +216,7 @@ void Oracle::Impl::apply_limits(const Stepping& step) {
   }
 }
 
-// An explicit substep's end, with the velocity that takes the vertex there.
+// Ends an explicit substep, with the velocity that takes the vertex there.
 void Oracle::Impl::collide(const Substep& now) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
@@ -229,7 +230,8 @@ void Oracle::Impl::collide(const Substep& now) {
   }
 }
 
-// The solids' impulse is that of a body in free motion, and the motion before is taken to have had it too.
+// The solids' impulse is that on a freely moving body, and the history is shifted as if it had included the
+// impulse.
 void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
   const double d = model.layers[model.layer_of(i)].damping;
   const Vector3d free_place = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, *now.stepping);
@@ -237,7 +239,8 @@ void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
   const auto sent_to = [&](const Vector3d& place) {
     return collided(model, now.colliders, i, history[i].q, place, free_velocity, now.h);
   };
-  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  // The iterations end outside the solids, so test as well where the vertex would be without what they pushed
+  // away.
   Collided there = sent_to(q[i]);
   const Collided pushed = sent_to(free_place);
   if (!there.touches && !pushed.touches) return;
@@ -250,7 +253,7 @@ void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
   is_pushed[i] = true;
 }
 
-// The largest a of a free vertex: how far x_hat goes with the goal.
+// The largest a of a free vertex: how far x_hat moves with the goal.
 double Oracle::Impl::stiffest(const Stepping& step) const {
   double largest = 0.0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -281,7 +284,7 @@ void Oracle::Impl::respond_to_contacts(double h) {
   }
 }
 
-// The solids of the same iteration see where the vertex would be without them: its goal comes along.
+// Moves the goals too, as solids in the same iteration test where the vertex would be without them.
 void Oracle::Impl::hold_contacts(const Stepping& step) {
   Points moved(model.vertex_count);
   std::vector<double> yielding(model.vertex_count), to_goal(model.vertex_count);
@@ -305,7 +308,7 @@ void Oracle::Impl::settle_contacts(const Stepping& step) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) v[i] += gains[i];
 }
 
-// A render vertex rides on its four vertices by barycentric coordinates.
+// Barycentric coordinates attach a render vertex to its four vertices.
 void Oracle::Impl::embed() {
   surface.assign(model.surface_count(), Vector3d::Zero());
   for (std::size_t k = 0; k < model.surface_vertex.size(); ++k)
@@ -336,7 +339,7 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::contact_hold:
     case Kernel::contact_settle:
     case Kernel::contact_press:
-      return;  // contact_find and those that move vertices do all that the stage does
+      return;  // contact_find and the kernels that move vertices do the whole stage
     case Kernel::predict:
       if (model.is_implicit())
         return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());

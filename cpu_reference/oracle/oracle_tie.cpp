@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// By construction all ties together move no vertex by more than this share of what is wrong.
+// All ties together correct at most this share of a vertex's error.
 constexpr double share_of_a_substep = 0.5;
 
 }  // namespace
@@ -30,8 +30,8 @@ Ties::Ties(const model::Model& model) : looks_ahead_(model.is_implicit()) {
   }
 }
 
-// A tie has all of its sliding vertex's mass, and of a corner's what each of the ties there gets. Moved apart
-// by C along n, its four vertices are in place again with k = 1 / (1/m_s + sum b_j^2 / (m_j / n_j)).
+// A tie uses the whole mass of its sliding vertex, and of a corner's mass the part that each tie there gets.
+// A displacement C along n is undone for its four vertices with k = 1 / (1/m_s + sum b_j^2 / (m_j / n_j)).
 Points Ties::accelerations(const Points& q, const Points& v, double h) const {
   Points a(q.size(), Vector3d::Zero());
   const auto place = [&](std::uint32_t i) { return looks_ahead_ ? Vector3d(q[i] + h * v[i]) : q[i]; };

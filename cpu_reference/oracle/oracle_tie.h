@@ -1,5 +1,5 @@
-// Ties between skin that slides and the flesh below, in double precision, from the rest data: springs
-// to a vertex's foot on the plane below, which bear a share of what a substep can. They are ours and not the
+// Ties between sliding skin and the flesh below, in double precision, from the rest data: springs to a
+// vertex's foot on the plane below, which correct a share of the error per substep. They are ours and not the
 // paper's.
 #pragma once
 
@@ -19,7 +19,7 @@ class Ties {
   explicit Ties(const model::Model& model);
   bool empty() const { return springs_.empty(); }
   // The accelerations of all vertices in a substep of h seconds that begins at `q` with `v`. The implicit
-  // integrator's ties stand where the vertices would come to by themselves.
+  // integrator evaluates its ties where the vertices would move by themselves.
   Points accelerations(const Points& q, const Points& v, double h) const;
 
  private:
@@ -30,11 +30,11 @@ class Ties {
   };
   std::vector<Spring> springs_;
   bool looks_ahead_;
-  std::vector<double> ties_at_;   // a vertex, as a corner
-  std::vector<double> mobility_;  // inverse masses, 0 of kinematic vertices
+  std::vector<double> ties_at_;   // number per vertex, as a corner
+  std::vector<double> mobility_;  // inverse masses, 0 for kinematic vertices
 };
 
-// The vertices in layers whose vertices ties hold.
+// Marks the vertices of layers that ties hold.
 std::vector<bool> sliding_vertices(const model::Model& model);
 
 }  // namespace fascicle::cpu_reference

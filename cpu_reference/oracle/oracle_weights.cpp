@@ -13,11 +13,11 @@ namespace {
 using Eigen::Vector3d;
 using model::Model;
 
-// Rest positions and fibres come as floats, so a direction between neighbours is known to about 1e-5 at best
-// (6e-8 of the body's size over a spacing of a hundredth of it). What is exactly zero in the formulas arrives
-// as rounding: r_i shorter than this share of the longest in the region has no direction,
+// Rest positions and fibres are floats, so the direction between neighbours is accurate to about 1e-5 at best
+// (6e-8 of the body's size over a spacing of a hundredth of it). What is exactly zero in the formulas becomes
+// rounding error: an r_i shorter than this share of the longest in the region has no direction,
 constexpr double no_length = 1e-4;
-// and weights whose sum is below this share of what w_ir = m_i would give come from cosines below 1e-5.
+// and weights with a sum below this share of that for w_ir = m_i come from cosines below 1e-5.
 constexpr double nothing = 1e-10;
 
 // Calls visit(i) for each i in N_r: vertex r and its one-ring.
@@ -27,13 +27,13 @@ void for_each_in_region(const Model& model, std::uint32_t r,
   for (std::uint32_t k = model.ring_offset[r]; k < model.ring_offset[r + 1]; ++k) visit(model.ring[k]);
 }
 
-// As the one-ring relation is symmetric, the regions that vertex i lies in are those of N_i.
+// The one-ring relation is symmetric, so the regions that vertex i lies in are those of N_i.
 void for_each_region_of(const Model& model, std::uint32_t i,
                         const std::function<void(std::uint32_t)>& visit) {
   for_each_in_region(model, i, visit);
 }
 
-// The printed formula for all pairs: equations (12), (13), (14).
+// The formula as printed, for all pairs: equations (12), (13), (14).
 Eigen::SparseMatrix<double> printed_weights(const Model& model) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
@@ -54,7 +54,7 @@ Eigen::SparseMatrix<double> printed_weights(const Model& model) {
   return w;
 }
 
-// A region whose weights sum to nothing falls back to w_ir = m_i, and after that a vertex whose weights do.
+// A region whose weights sum to nothing falls back to w_ir = m_i; then so does a vertex whose weights do.
 void fall_back_to_mass(const Model& model, Eigen::SparseMatrix<double>& w) {
   for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
     double sum = 0.0;
@@ -78,7 +78,7 @@ void fall_back_to_mass(const Model& model, Eigen::SparseMatrix<double>& w) {
   }
 }
 
-// s_i: alpha_i m_i, m_i for kinematic vertices; K_i of an implicit model.
+// s_i: alpha_i m_i, or m_i for kinematic vertices; K_i for an implicit model.
 std::vector<double> pulls(const Model& model) {
   if (model.is_implicit()) return vertex_stiffness(model, region_stiffness(model));
   std::vector<double> s(model.vertex_count);
@@ -87,8 +87,8 @@ std::vector<double> pulls(const Model& model) {
   return s;
 }
 
-// w_ir <- w_ir s_i / sum_r w_ir. Then the pulls on a region's vertices sum to nothing, and a vertex with
-// s_i = 0 gives and takes nothing.
+// w_ir <- w_ir s_i / sum_r w_ir. Then the pulls on a region's vertices sum to zero, and a vertex with s_i = 0
+// neither exerts nor receives any.
 void scale_for_momentum(const Model& model, Eigen::SparseMatrix<double>& w) {
   const std::vector<double> s = pulls(model);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -113,8 +113,8 @@ Vector3d offset_from_mass_centre(const Model& model, std::uint32_t i, std::uint3
 
 // (14) s = (beta d + (1 - beta) r_i/|r_i|) / sqrt(beta^2 + (1 - beta)^2)
 // (12) w_ir / m_i = (s . r_i)^2 / |r_i|^2
-// `symmetric` turns d to the side of r_i first, which is |c| in place of c: a fibre is a line, not an arrow.
-// An r_i of zero (often the middle vertex) has no direction: there the weight is the mass.
+// `symmetric` first turns d to the side of r_i, which gives |c| in place of c: a fibre is a line, not an
+// arrow. An r_i of zero (often the middle vertex) has no direction: the weight is then the mass.
 double fibre_weight(const Vector3d& d, double beta, const Vector3d& r_i, model::WeightForm form) {
   const double length = r_i.norm();
   if (d.isZero(0.0) || beta == 0.0 || length == 0.0) return 1.0;

@@ -1,4 +1,4 @@
-// A model's arrays of floats, 3 a vertex, as the Oracle's points in double.
+// Converts a model's float arrays, 3 per vertex, to the Oracle's points in double.
 #pragma once
 
 #include <cstddef>
