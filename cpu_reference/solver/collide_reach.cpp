@@ -8,8 +8,8 @@ namespace fascicle::cpu_reference {
 
 namespace {
 
-// What rounding may add, many times over: near the origin, and as a share of how far away something is. A
-// product of matrix and vector is off by less than 2^-21 of their lengths, as is a rounded rotation.
+// Generous bounds on rounding errors: near the origin, and as a share of the distance. A product of matrix
+// and vector has an error below 2^-21 of their lengths, and so does a rounded rotation.
 constexpr float spare = 1e-4f, share_spare = 1e-5f;
 
 float length(float x, float y, float z) {
@@ -24,7 +24,8 @@ ColliderReach reach_of(const shader::Collider& c) {
   for (std::size_t k = 0; k < 12; ++k)
     if (k % 4 != 3) turn += (now[k] - before[k]) * (now[k] - before[k]);
   const float shift = length(c.xt - c.before_xt, c.yt - c.before_yt, c.zt - c.before_zt);
-  // A little more than twice what the solid moves, by itself and a working unit away from the origin.
+  // Slightly more than twice the solid's motion: its translation, and its rotation per working unit from the
+  // origin.
   const float turning = 2.1f * std::sqrt(turn) + share_spare;
   float reach = 2.1f * shift + spare + share_spare * (length(c.xt, c.yt, c.zt) + c.radius);
 

@@ -1,5 +1,5 @@
-// Which vertices a solid may reach in a substep, told in a few operations. It only rejects, and what it
-// rejects the kernel would leave alone, so it decides no bit: the GPU runs the kernel on every vertex.
+// Tests in a few operations which vertices a solid may reach in a substep. It only rejects vertices that the
+// kernel would leave unchanged, so it affects no bit: the GPU runs the kernel on every vertex.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace fascicle::cpu_reference {
 
-// A place on a vertex's way through the substep, and the square of how long the way is at most.
+// A place on a vertex's path through the substep, and the square of the path's greatest length.
 struct Way {
   const float* place;
   float squared;
@@ -19,11 +19,11 @@ struct Way {
 
 ColliderReach reach_of(const shader::Collider& collider);
 
-// The kernel looks at a vertex whose distance from the solid, where it begins, is at most its way as seen
-// from the solid. That way is at most the vertex's own and what the solid moves there; from anywhere else on
-// it, and from where the solid is in the end, the distance is at most twice that. Squares of sums are taken
-// as at most three times the sum of squares. What is not a number, and what is so far that squares overflow,
-// is left to the kernel.
+// The kernel handles a vertex whose initial distance from the solid is at most the length of its path
+// relative to the solid. That path is at most as long as the vertex's own plus the solid's motion there; from
+// any other place on it, and from the solid's final position, the distance is at most twice that. Squares of
+// sums are bounded by three times the sum of squares. NaN, and distances whose squares overflow, are left to
+// the kernel.
 template <bool is_plane>
 bool may_reach(const ColliderReach& solid, const Way& way) {
   constexpr float far = 1e36f;
@@ -41,8 +41,8 @@ bool may_reach(const ColliderReach& solid, const Way& way) {
   }
 }
 
-// Sets the solid's bit in the marks of those vertices of the range that it may reach; the first mark is that
-// of the range's first vertex.
+// Sets the solid's bit in the marks of the vertices in the range that it may reach; the first mark belongs to
+// the range's first vertex.
 template <class WayOf>
 void mark_reached(const ColliderReach& solid, const WayOf& way_of, Range range, std::uint32_t* marks) {
   const auto mark = [&](auto reaches) {
@@ -55,7 +55,7 @@ void mark_reached(const ColliderReach& solid, const WayOf& way_of, Range range, 
     mark([&](const Way& way) { return may_reach<false>(solid, way); });
 }
 
-// Of each of a substep's solids, the first of which has bit 0.
+// For each of a substep's solids; the first has bit 0.
 std::vector<ColliderReach> reaches_of(std::span<const shader::Collider> colliders);
 
 }  // namespace fascicle::cpu_reference

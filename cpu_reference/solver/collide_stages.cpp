@@ -39,7 +39,7 @@ float squared_distance(const float* a, const float* b) {
   return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
 }
 
-// Calls use(model, in, fields, i) for each vertex that may reach a solid that holds it.
+// Calls use(model, in, fields, i) for each vertex that may reach a solid which it does not ignore.
 template <class WayOf>
 void for_each_near(const Model& model, const SubstepInput& in, Fields& fields, const WayOf& way_of,
                    Range range, void (*use)(const Model&, const SubstepInput&, Fields&, std::uint32_t)) {
@@ -56,18 +56,18 @@ void for_each_near(const Model& model, const SubstepInput& in, Fields& fields, c
 
 struct Collided {
   Point place;
-  Point raised;    // on the way there, without speed
+  Point raised;    // the part of the move that adds no velocity
   Point velocity;  // with the solids' impulses
   bool touches = false;
 };
 
-// The solids that pressed last, the newer one first, and the directions away from them.
+// The last two solids that pressed, the newer one first, and the directions away from them.
 struct Pressing {
   std::size_t newer, older;
   Point away_newer{}, away_older{};
 };
 
-// One solid's part, `pressing` being those before it. Whether it touches.
+// Applies one solid; `pressing` are the last ones before it. Returns whether it touches.
 bool collided_with(const SubstepInput& in, std::size_t k, const Point& start, bool rubs, Pressing& pressing,
                    Collided& r) {
   const shader::Collider& c = in.colliders[k];
@@ -85,7 +85,7 @@ bool collided_with(const SubstepInput& in, std::size_t k, const Point& start, bo
   if (rubs) other = {};
   r.place = kernel::snap_vector<float>(
       kernel::vector_sum<float>(r.place, kernel::collide_led<float>(turned_back(m.move), away, other)));
-  // Each look lifts by the same again where another solid has undone it: the first one counts.
+  // Later passes repeat the lift if another solid has undone it; only the first counts.
   if (rubs) r.raised = kernel::vector_sum<float>(r.raised, turned_back(m.raised));
   const Point moved = kernel::subtract<float>(
       r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
@@ -104,13 +104,13 @@ bool collided_with(const SubstepInput& in, std::size_t k, const Point& start, bo
   return true;
 }
 
-// Vertex i on its way from `start` to `place`, one solid after the other.
+// Moves vertex i from `start` to `place`, one solid after another.
 Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, const Point& start,
                   const Point& place, const Point& velocity) {
   Collided r{place, {}, velocity};
   const std::size_t none = in.colliders.size();
   Pressing pressing{none, none};
-  std::size_t unmoved = 0;  // since that many solids
+  std::size_t unmoved = 0;  // number of solids since the last one that touched
   for (std::uint32_t pass = 0; pass < shader::collide_passes && unmoved < none; ++pass)
     for (std::size_t k = 0; k < none && unmoved < none; ++k) {
       const bool touches =
@@ -137,7 +137,8 @@ void collide_implicit(const Model& model, const SubstepInput& in, Fields& fields
                                                  in.responses[i].to_goal),
               free = kernel::collide_free_velocity<float>(point_at(fields.velocities, vector_stride, i), pull,
                                                           in.implicit.inverse_step);
-  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  // The iterations end outside the solids, so test as well where the vertex would be without what they pushed
+  // away.
   Collided c = collided(model, in, i, start, point_at(fields.vertices, vertex_stride, i), free);
   const Collided pushed = collided(model, in, i, start, kernel::vector_sum<float>(y, pull), free);
   if (!c.touches && !pushed.touches) return;
@@ -185,7 +186,7 @@ void collide(const Model& model, const SubstepInput& in, Fields& fields, Range r
     for_each_near(model, in, fields, way_of, range, &collide_vertex);
     return;
   }
-  // Its two ways end at the position and at most as far from y as the goal is.
+  // Both tested paths count: one ends at the position, the other at most as far from y as the goal is.
   const auto way_of = [&](std::uint32_t i) {
     const float *start = at(fields.positions_before, vector_stride, i),
                 *y = at(fields.predicted, vector_stride, i);

@@ -1,5 +1,5 @@
-// What stage contact asks of a point and a tetrahedron, shared by its plain form (contact_stages.h) and by
-// the search that CpuSolver uses (contact_search.h).
+// The test of stage contact for a point and a tetrahedron, shared by its plain form (contact_stages.h) and
+// CpuSolver's search (contact_search.h).
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace fascicle::cpu_reference {
 
 using Place = kernel::Vector<float>;
 
-// Floats of a point in Fields::contact_place.
+// Floats per point in Fields::contact_place.
 inline constexpr std::size_t contact_place_stride = 10;
 
 inline Place place_at(const float* from) {
@@ -50,7 +50,7 @@ struct ContactBox {
   Place low, high;
 };
 
-// Around nothing. What is no number grows no box, whichever corner it belongs to.
+// An empty box. NaN extends no box.
 inline constexpr ContactBox empty_contact_box{{3.0e38f, 3.0e38f, 3.0e38f}, {-3.0e38f, -3.0e38f, -3.0e38f}};
 
 inline void grow(ContactBox& box, const ContactBox& other) {
@@ -64,7 +64,7 @@ inline void grow(ContactBox& box, const ContactBox& other) {
   higher(box.high.z, other.high.z);
 }
 
-// Boxes are kept as six floats.
+// A box is stored as six floats.
 inline ContactBox contact_box_at(const std::vector<float>& boxes, std::uint32_t number) {
   const float* from = boxes.data() + 6 * std::size_t{number};
   return {place_at(from), place_at(from + 3)};
@@ -73,7 +73,7 @@ inline void put_contact_box(std::vector<float>& boxes, std::uint32_t number, con
   put_place(put_place(boxes.data() + 6 * std::size_t{number}, box.low), box.high);
 }
 
-// The box around the corners of a leaf's tetrahedra; place_of(i) is where vertex i is seen.
+// The box around the corners of a leaf's tetrahedra; place_of(i) is vertex i's position.
 template <class PlaceOf>
 ContactBox contact_leaf_box(const model::Model& model, std::uint32_t leaf, const PlaceOf& place_of) {
   const std::uint32_t first = leaf * shader::contact_leaf,
@@ -97,7 +97,7 @@ inline ContactBox contact_branch_box(const model::Model& model, std::uint32_t br
   return box;
 }
 
-// Whether all of a box at rest (Model::contact_rest_box) lies too near to point p to be met.
+// Whether a whole box at rest (Model::contact_rest_box) is too near to point p to be met.
 inline bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, std::uint32_t box) {
   const shader::ContactPoint& point = model.contact[p];
   if (point.near_count > 0) return false;
@@ -106,7 +106,7 @@ inline bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, 
                                         point.margin);
 }
 
-// What the sum of its impulses does to vertex i: in an explicit pass, in an iteration, to velocities.
+// Applies the sum of its impulses to vertex i: in an explicit pass, in an iteration, to velocities.
 inline void contact_apply(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
                           const Place& sum) {
   const Place gain = kernel::contact_gain<float>(sum, model.mobility[i]);
@@ -136,8 +136,8 @@ inline void contact_apply_rest(const model::Model& model, const SubstepInput&, F
                                                      kernel::contact_gain<float>(sum, model.mobility[i])));
 }
 
-// Whether point p, seen at `x`, lies in tetrahedron t and may meet it; place_of(i) is where vertex i is seen.
-// If so its contact_place is written.
+// Whether point p at `x` lies in tetrahedron t and may meet it; place_of(i) is vertex i's position. If so,
+// writes its contact_place.
 template <class PlaceOf>
 bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, const Place& x,
                    std::uint32_t t, const PlaceOf& place_of) {

@@ -18,7 +18,7 @@ float squared(const Place& v) {
   return kernel::inner_product<float>(v, v);
 }
 
-// How far two boxes are from each other.
+// The distance between two boxes.
 float squared_distance(const ContactBox& a, const ContactBox& b) {
   const auto along = [](float low, float high, float other_low, float other_high) {
     return std::max({low - other_high, other_low - high, 0.0f});
@@ -37,7 +37,7 @@ std::uint32_t leaf_end(const model::Model& model, std::uint32_t leaf) {
   return std::min((leaf + 1) * leaf_size, model.contact_tetrahedron_count());
 }
 
-// What is ignored in part only is left to contact_meets.
+// Partly ignored blocks and leaves are left to contact_meets.
 void find_ignored(const model::Model& model, ContactRest& rest) {
   if (!model.has_ignored_contact()) return;
   for (std::uint32_t b = 0; b < rest.blocks.size(); ++b) {
@@ -52,9 +52,9 @@ void find_ignored(const model::Model& model, ContactRest& rest) {
   }
 }
 
-// Of each of a leaf's tetrahedra the points that may meet it. One whose corners all lie nearer to a point at
-// rest than its margin does not (kernel::contact_is_near has the reason for the 0.99), unless all are across
-// a gap.
+// For each of a leaf's tetrahedra, the points that may meet it. A tetrahedron whose corners are all nearer to
+// a point at rest than its margin does not meet it (kernel::contact_is_near explains the 0.99), unless all
+// are across a gap.
 std::array<PointBits, leaf_size> relevant_at_rest(const model::Model& model, const ContactRest& rest,
                                                   std::uint32_t block, std::uint32_t leaf,
                                                   const std::vector<PointBits>& across_of) {
@@ -95,7 +95,7 @@ void find_near(const model::Model& model, ContactRest& rest) {
     return ContactBox{place_at(from), place_at(from + 4)};
   };
   const std::uint32_t leaves = model.contact_leaf_count();
-  // Of each vertex the points of the block at hand that it is near across a gap.
+  // For each vertex, the points of the current block that it is near across a gap.
   std::vector<PointBits> across(model.vertex_count, 0);
   const auto for_each_across = [&](std::uint32_t b, const auto& use) {
     for (std::uint32_t k = block_begin(b); k < block_end(rest, b); ++k) {
@@ -123,7 +123,7 @@ void find_near(const model::Model& model, ContactRest& rest) {
         leaf += shader::contact_branch - 1;
         continue;
       }
-      // What follows the skeleton on both sides is left out by ContactLook::all.
+      // ContactLook::all excludes pairs in which both sides follow the skeleton.
       if (is_far(leaf) || (block.mobile == 0 && rest.leaf_is_held[leaf] != 0)) continue;
       const std::array<PointBits, leaf_size> relevant = relevant_at_rest(model, rest, b, leaf, across);
       const auto first = relevant.begin(), last = first + (leaf_end(model, leaf) - leaf * leaf_size);
@@ -174,7 +174,7 @@ ContactRest::ContactRest(const model::Model& model) : order(model::contact_point
   find_near(model, *this);
 }
 
-// With the arrays of the model that it is of, as far as it looks at them: that model may be gone.
+// Keeps copies of the model's arrays that it depends on, as that model may no longer exist.
 struct ContactRestMemory::Kept {
   explicit Kept(const model::Model& model)
       : rest(model),

@@ -20,7 +20,7 @@ static_assert(shader::contact_leaf == contact_boxes_together &&
 
 constexpr std::size_t sight_stride = 4;
 
-// One of the boxes that are taken together.
+// Writes one of the boxes processed together.
 void put_box(float* boxes, std::uint32_t number, const float* low, const float* high) {
   for (std::size_t a = 0; a < 3; ++a) {
     boxes[a * contact_boxes_together + number] = low[a];
@@ -36,7 +36,7 @@ LineVector<float> empty_boxes(std::uint32_t groups) {
   return boxes;
 }
 
-// Calls use(k) for all of `count`. Threads are not worth their start for a few.
+// Calls use(k) for all of `count`. Small counts are not worth waking threads.
 template <class Use>
 void run_over(std::size_t count, ThreadPool& pool, const Use& use) {
   constexpr std::size_t few = 128;
@@ -49,7 +49,7 @@ void run_over(std::size_t count, ThreadPool& pool, const Use& use) {
     pool.run(static_cast<std::uint32_t>(count), run);
 }
 
-// Calls use(number of the bit) for each, ascending.
+// Calls use(index) for each bit that is set, ascending.
 template <class Use>
 void for_each_bit(std::uint32_t bits, const Use& use) {
   for (; bits != 0; bits &= bits - 1) use(static_cast<std::uint32_t>(std::countr_zero(bits)));
@@ -60,8 +60,8 @@ void for_each_bit(std::uint32_t bits, const Use& use) {
 struct ContactSearch::Sight {
   std::uint32_t block;
   ContactBounds bounds;
-  PointBits open;  // points that have found nothing yet
-  // As ContactLook has them.
+  PointBits open;  // points without a contact so far
+  // As in ContactLook.
   alignas(64) std::array<float, 3 * block_size> points;
 };
 
@@ -70,7 +70,7 @@ ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lane
     : model_(model), lanes_(lanes), rest_(std::move(rest)) {
   sights_.resize(sight_stride * model.vertex_count);
   place_.assign(model.vertex_count, nothing);
-  // From nowhere, everything may have moved anywhere.
+  // Without previous positions, everything may have moved anywhere.
   sights_before_.assign(sights_.size(), std::numeric_limits<float>::quiet_NaN());
   leaf_box_ = leaf_motion_ = empty_boxes(model.contact_branch_count());
   branch_box_ = empty_boxes(model::parts_of(model.contact_branch_count(), contact_boxes_together));
@@ -94,7 +94,7 @@ void ContactSearch::find(Fields& fields, ThreadPool& pool) {
   crowd(fields);
 }
 
-// Where everything is, and how the leaves have moved.
+// Updates all positions, and the leaves' boxes and motions.
 void ContactSearch::look(const Fields& fields, ThreadPool& pool) {
   std::swap(sights_, sights_before_);
   pool.run(model_.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
@@ -131,7 +131,7 @@ void ContactSearch::bound_branch(std::uint32_t branch) {
           branch % contact_boxes_together, box.data(), box.data() + 3);
 }
 
-// Leaves come in ascending order, so that a point's first find is that of the lowest number.
+// Leaves are visited in ascending order, so a point's first find is the one with the lowest number.
 void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
   Block& block = blocks_[number];
   const std::uint32_t begin = block_begin(number), end = block_end(number);
@@ -162,7 +162,7 @@ void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
   while (at < block.branches.size()) drop(block, at);
 }
 
-// What moves unseen has no distance.
+// Distances are not updated while the boxes do not overlap, so they are dropped.
 void ContactSearch::drop(Block& block, std::size_t branch) {
   const auto place = block.branches.begin() + static_cast<std::ptrdiff_t>(branch);
   for (const std::uint32_t pair : place->pair)
@@ -177,7 +177,7 @@ void ContactSearch::find_in_branch(Branch& branch, Sight& sight, Fields& fields)
                                            .points = &sight.bounds,
                                            .nearest = branch.nearest.data(),
                                            .gone = branch.gone.data()});
-  // There are some megabytes of these in a body: asked for before the first is needed.
+  // A body has several megabytes of these: prefetch them all before the first is needed.
   const Block& block = blocks_[sight.block];
   for_each_bit(leaves, [&](std::uint32_t leaf) {
     if (branch.pair[leaf] == nothing) return;
@@ -224,7 +224,7 @@ void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& si
   });
 }
 
-// Nothing is known of it: no tetrahedron is any distance away.
+// Nothing is known about a new pair: all its distances are 0.
 std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
   if (block.unused.empty()) {
     block.unused.push_back(static_cast<std::uint32_t>(block.pairs.size()));
@@ -242,8 +242,8 @@ std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
   return place;
 }
 
-// One thread takes the contacts tetrahedron by tetrahedron, which for every vertex is the order in which
-// contact_crowd and the kernels that add up impulses go.
+// A single thread visits the contacts tetrahedron by tetrahedron. For each vertex this is the order of
+// contact_crowd and of the kernels that sum impulses.
 void ContactSearch::crowd(Fields& fields) {
   found_.clear();
   for (std::uint32_t p = 0; p < model_.contact.size(); ++p)
@@ -258,7 +258,7 @@ void ContactSearch::crowd(Fields& fields) {
   }
 }
 
-// The own contact first, then those of the vertex's tetrahedra.
+// A vertex's own contact first, then those of its tetrahedra.
 void ContactSearch::list_shares(const Fields& fields) {
   for (const std::uint32_t i : touched_) place_[i] = nothing;
   touched_.clear();

@@ -1,11 +1,12 @@
-// Stage contact as CpuSolver runs it: the contacts and the bits of contact_stages.h, found by a shorter way.
+// Stage contact as CpuSolver runs it: finds the contacts of contact_stages.h, with the same bits, in less
+// time.
 //
-// Points are taken in blocks that lie near each other, tetrahedra in the leaves of the plain search. Where
-// the boxes of a block and a leaf overlap, it is kept how far, at least, the block's points were from the
-// boxes of the leaf's tetrahedra, along any axis, and by how much the two may have come nearer since then. As
-// long as something is left there is no contact between them. Most of a body's surface lies close to flesh
-// that moves with it, and is done with by that. A point and a tetrahedron that lie within the margin at rest
-// are left out from the beginning.
+// Points are grouped in blocks of near neighbours, tetrahedra in the leaves of the plain search. While the
+// boxes of a block and a leaf overlap, the search keeps a lower bound on the distance of the block's points
+// from the boxes of the leaf's tetrahedra, along any axis, and an upper bound on how much nearer the two may
+// have come since. As long as the difference is positive there is no contact between them. Most of a body's
+// surface is close to flesh that moves with it, and needs no more than that. Points and tetrahedra within the
+// margin at rest are excluded from the start.
 #pragma once
 
 #include <array>
@@ -26,28 +27,30 @@ namespace fascicle::cpu_reference {
 
 class ContactSearch {
  public:
-  // The model has contact and must outlive the search. `rest` is of it.
+  // The model must have contact and outlive the search. `rest` is the model's.
   ContactSearch(const model::Model& model, const ContactLanes& lanes,
                 std::shared_ptr<const ContactRest> rest);
 
-  // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
+  // Finds the contacts: contact_found, and contact_place and contact_crowd of everything that takes part in
+  // one.
   void find(Fields& fields, ThreadPool& pool);
-  // A kernel of the response, to the contacts that were found last: for each of them, or for what takes part.
+  // Runs a kernel of the response on the contacts found last: for each of them, or for each vertex that takes
+  // part.
   void run(model::Kernel kernel, const SubstepInput& in, Fields& fields, ThreadPool& pool);
   static bool runs(model::Kernel kernel);
 
  private:
   static constexpr std::uint32_t block_size = ContactRest::block_size, leaf_size = ContactRest::leaf_size;
   using PointBits = ContactRest::PointBits;
-  using LeafBits = std::uint32_t;  // a bit a tetrahedron of a leaf
+  using LeafBits = std::uint32_t;  // one bit per tetrahedron of a leaf
   static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
-  // A block and a leaf that were looked at.
+  // A block and a leaf that were tested.
   struct alignas(64) Pair {
     std::array<std::uint16_t, leaf_size> apart{};  // as in ContactLook
   };
-  // A block and the leaves of a branch, while their boxes overlap. Leaf by leaf: as in ContactApproach; the
-  // place of the pair, or `nothing`.
+  // A block and the leaves of a branch, while their boxes overlap. Per leaf: as in ContactApproach; the index
+  // of the pair, or `nothing`.
   struct Branch {
     std::uint32_t number = 0;
     std::array<float, shader::contact_branch> nearest{}, gone{};
@@ -55,12 +58,12 @@ class ContactSearch {
   };
   struct Block {
     const ContactRest::Block* rest = nullptr;
-    std::vector<Branch> branches;  // by ascending number
+    std::vector<Branch> branches;  // in ascending order of number
     std::vector<Pair> pairs;
-    std::vector<const PointBits*> relevant;  // of each pair, as in ContactLook
-    std::vector<std::uint32_t> unused;       // places of pairs
+    std::vector<const PointBits*> relevant;  // for each pair, as in ContactLook
+    std::vector<std::uint32_t> unused;       // indices of free pairs
   };
-  // A block in the substep that is at work.
+  // A block in the current substep.
   struct Sight;
   struct Found {
     std::uint32_t tetrahedron, point;
@@ -86,7 +89,7 @@ class ContactSearch {
   void crowd(Fields& fields);
   void list_shares(const Fields& fields);
   Place sum_of_impulses(const Fields& fields, std::size_t touched) const;
-  // Whether no point of the block meets any tetrahedron of the leaf, as the scene says.
+  // Whether no point of the block may meet any tetrahedron of the leaf, according to the scene.
   bool is_ignored(const Block& block, std::uint32_t leaf) const {
     return !rest_->leaf_group.empty() && (block.rest->ignored & rest_->leaf_group[leaf]) != 0;
   }
@@ -95,19 +98,19 @@ class ContactSearch {
   const ContactLanes& lanes_;
   std::shared_ptr<const ContactRest> rest_;
   std::vector<Block> blocks_;
-  LineVector<float> sights_, sights_before_;  // 4 a vertex: where this substep and the one before find it
-  // Boxes as ContactLanes takes them: of leaves where they are and how they moved, a branch after the other;
-  // of branches.
+  LineVector<float> sights_, sights_before_;  // 4 per vertex: positions in this substep and the previous one
+  // Boxes in the layout of ContactLanes: of leaves, their positions and motions, branch by branch; of
+  // branches.
   LineVector<float> leaf_box_, leaf_motion_, branch_box_;
   std::vector<Found> found_;
-  // What a vertex has of a contact: 1 of its own, of one in its tetrahedra its weight, negative.
+  // A vertex's share in a contact: 1 in its own, minus its weight in one in its tetrahedra.
   struct Share {
     std::uint32_t point;
     float weight;
   };
   std::vector<std::uint32_t> touched_;      // vertices that take part in contacts
-  std::vector<std::uint32_t> place_;        // of each vertex in touched_, or `nothing`
-  std::vector<std::uint32_t> first_share_;  // of each in touched_, and the count
+  std::vector<std::uint32_t> place_;        // for each vertex its index in touched_, or `nothing`
+  std::vector<std::uint32_t> first_share_;  // for each vertex in touched_, and the count
   std::vector<Share> shares_;               // in the order of the kernels' sums
 };
 

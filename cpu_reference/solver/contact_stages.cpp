@@ -22,7 +22,7 @@ bool is_found(const Model& model, const Fields& fields, std::uint32_t p) {
   return fields.contact_found[p] < model.contact_tetrahedron_count();
 }
 
-// The lowest point from `from` on that has found tetrahedron t, no_contact after the last.
+// The lowest point from `from` on that has found tetrahedron t; no_contact if there is none.
 std::uint32_t point_from(const Model& model, const Fields& fields, std::uint32_t t, std::uint32_t from) {
   std::uint32_t lowest = shader::no_contact;
   for (std::uint32_t p = fields.contact_first[t]; p < model.contact.size(); p = fields.contact_next[p])
@@ -133,7 +133,7 @@ Pair pair_of(const Model& model, const Fields& fields, std::uint32_t p) {
           place_at(place + 7)};
 }
 
-// Of the point against its place in the tetrahedron; vector_of(i) is vertex i's.
+// The point's value relative to its place in the tetrahedron; vector_of(i) is vertex i's value.
 template <class VectorOf>
 Place between(const Pair& pair, const VectorOf& vector_of) {
   return kernel::contact_velocity<float>(pair.weights, vector_of(pair.point_vertex),

@@ -1,6 +1,5 @@
 // The kernels of stage contact on the CPU, in their plain form: what the shaders of the same names do, item
-// by item. CpuSolver finds the same contacts by a shorter way, contact_search.h. See stages.h for how ranges
-// work.
+// by item. CpuSolver finds the same contacts in less time, see contact_search.h. See stages.h for ranges.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +10,8 @@
 
 namespace fascicle::cpu_reference {
 
-// Over the leaves, the branches, the points, the points, the vertices; then over the points and over the
-// vertices in turn. contact_chain does not run on several threads.
+// Over the leaves, the branches, the points, the points, the vertices; then over the points and the vertices
+// alternately. contact_chain must run on one thread.
 void contact_bound(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_enclose(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_find(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);

@@ -34,7 +34,7 @@ using model::Read;
 using model::Stage;
 using model::State;
 
-// Numbers below a count, each once.
+// A set of numbers below a count, in order of insertion.
 struct Numbers {
   explicit Numbers(std::uint32_t count) : is_listed(count, 0) {}
   void add(std::uint32_t number) {
@@ -63,7 +63,7 @@ class CpuSolver : public model::Solver {
     if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
       throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
     size_fields(model, fields_);
-    // Before the slices, which need not lie beside a State.
+    // Loads the state before making the slices, so that a State and the slices are never in memory together.
     CpuSolver::load(model::rest_state(model));
     if (lanes_ != nullptr) {
       slices_ = make_slices(model, fields_.memory);
@@ -73,7 +73,7 @@ class CpuSolver : public model::Solver {
       contacts_.emplace(
           model, (lanes_ != nullptr ? lanes_ : baseline_lane_stages())->contact,
           memory != nullptr ? memory->contact.of(model) : std::make_shared<const ContactRest>(model));
-    // Last, as it makes do with what memory is left.
+    // Last, as it adapts to the memory that is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
       sweeps_ = make_sweeps(model, slices_, pool_->size());
@@ -84,7 +84,7 @@ class CpuSolver : public model::Solver {
     for (std::uint32_t s = 0; s < drive.substeps;) {
       for (const model::Cut& cut : drive.cuts)
         if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
-      // Where one block is all of a substep, a sweep takes several of them.
+      // If one block is the whole substep, a sweep runs several of them.
       if (!probe && plan_.size() == 1 && is_swept(plan_.front()))
         s = sweep_substeps(drive, s);
       else
@@ -134,7 +134,7 @@ class CpuSolver : public model::Solver {
   }
 
  private:
-  // What only a probe sees of an explicit substep.
+  // Fields of an explicit substep that only a probe reads.
   void make_fields_between_stages() {
     for (Floats* field : {&fields_.predicted, &fields_.goals}) field->resize(fields_.velocities.size());
   }
@@ -142,7 +142,7 @@ class CpuSolver : public model::Solver {
   std::vector<float> all(std::span<const Column> columns) const {
     return gathered(model_.vertex_count, columns);
   }
-  // Of a field of vectors; none where it is not kept.
+  // The vectors of a field; empty if it is not kept.
   std::vector<float> vectors(const Floats& field) const {
     return field.empty() ? std::vector<float>() : all(std::array{vectors_of(field)});
   }
@@ -165,7 +165,7 @@ class CpuSolver : public model::Solver {
             vector_stride, 0);
   }
 
-  // The next substep has none before it: what it takes for that is where the body is.
+  // Without a previous substep, the previous values are the current ones.
   void forget_history() {
     scatter(positions(), 3, fields_.positions_before, vector_stride, 0);
     fields_.velocities_before = fields_.velocities;
@@ -180,7 +180,7 @@ class CpuSolver : public model::Solver {
 
   KernelCode code_in(Kernel kernel) const { return code_of(kernel, model_, options_.rotation); }
 
-  // A kernel over all its items: in lanes where this solver has them, else one by one.
+  // Runs a kernel over all its items: in lanes if this solver can, else one by one.
   void run(Kernel kernel, const SubstepInput& in) {
     const KernelCode code = code_in(kernel);
     if (lanes_ == nullptr || code.in_lanes == nullptr) {
@@ -201,7 +201,7 @@ class CpuSolver : public model::Solver {
            std::all_of(block.steps.begin(), block.steps.end(), is_in_lanes);
   }
 
-  // A block's steps as a pass of a sweep.
+  // A block's steps, as one pass of a sweep.
   Pass pass_of(const Block& block, const SubstepInput& in) {
     const model::SweptSteps steps = *swept_steps(block);
     const auto lanes = [&](Kernel kernel) { return lanes_->*code_in(kernel).in_lanes; };
@@ -209,7 +209,7 @@ class CpuSolver : public model::Solver {
             lanes(steps.region), lanes(steps.move)};
   }
 
-  // As many passes at most as the sweeps have.
+  // At most as many passes as the sweeps have.
   void sweep(std::span<const Pass> passes) {
     pool_->run(static_cast<std::uint32_t>(sweeps_.tiles.size()),
                [&](std::uint32_t first, std::uint32_t last) {
@@ -241,7 +241,7 @@ class CpuSolver : public model::Solver {
     return in;
   }
 
-  // Explicit substeps from this one on, as many as go in one sweep; returns the next one.
+  // Runs explicit substeps from this one on, as many as fit in one sweep; returns the next one.
   std::uint32_t sweep_substeps(const Drive& drive, std::uint32_t first) {
     std::uint32_t end = std::min(drive.substeps, first + sweeps_.passes());
     for (const model::Cut& cut : drive.cuts)
@@ -253,7 +253,8 @@ class CpuSolver : public model::Solver {
     return end;
   }
 
-  // The substep's input, once positions are relative to the frame's origin and there is room for its skin.
+  // The substep's input, after making positions relative to the frame's origin and room for its skinned
+  // positions.
   SubstepInput begun_substep(const Drive& drive, std::uint32_t s) {
     SubstepInput in = input_of(drive, s);
     reaches_ = reaches_of(in.colliders);
@@ -305,7 +306,7 @@ class CpuSolver : public model::Solver {
     if (model_.is_implicit()) step_before_ = drive.h;
   }
 
-  // The implicit integrator's numbers for a substep of h seconds.
+  // Sets the implicit integrator's input for a substep of h seconds.
   void take_step(SubstepInput& in, double h) {
     if (step_before_ != h) forget_history();
     if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
@@ -338,14 +339,14 @@ class CpuSolver : public model::Solver {
     return gathered(item_count(model_, items_of(stage)), columns);
   }
 
-  // A stage over the items that are listed.
+  // Runs a stage over the listed items.
   void run(const std::vector<std::uint32_t>& items, ModelStage stage, const SubstepInput& in) {
     pool_->run(static_cast<std::uint32_t>(items.size()), [&](std::uint32_t first, std::uint32_t last) {
       for (std::uint32_t k = first; k < last; ++k) stage(model_, in, fields_, {items[k], items[k] + 1});
     });
   }
 
-  // The limits that lack volume: of those listed, or of all without a list.
+  // The limits that lack volume, among those listed, or among all without a list.
   std::vector<std::uint32_t> lacking(const std::vector<std::uint32_t>* listed, const SubstepInput& in) {
     const auto count = static_cast<std::uint32_t>(listed ? listed->size() : model_.limit.size());
     if (lanes_ != nullptr) {
@@ -368,7 +369,8 @@ class CpuSolver : public model::Solver {
         if (fields_.lack[t] > 0.0f) found.push_back(t);
       }
     }
-    // Lanes compare with the least volume. A tetrahedron that lacked some before lacks no more than they say.
+    // Lanes compare with the plain least volume. A tetrahedron that already lacked volume at the start lacks
+    // no more than they find.
     if (lanes_ != nullptr) {
       run(found, &lack, in);
       std::erase_if(found, [&](std::uint32_t t) { return !(fields_.lack[t] > 0.0f); });
@@ -376,8 +378,8 @@ class CpuSolver : public model::Solver {
     return found;
   }
 
-  // All passes of stage limit. After the first only what can have changed is looked at: the tetrahedra at the
-  // corners that moved. Where nothing lacks volume, no further pass would change anything.
+  // Runs all passes of stage limit. After the first, only tetrahedra that can have changed are tested: those
+  // at corners that moved. If none lacks volume, further passes would change nothing.
   void limit_volumes(const SubstepInput& in) {
     std::vector<std::uint32_t> crushed = lacking(nullptr, in);
     if (crushed.empty()) return;
@@ -408,15 +410,15 @@ class CpuSolver : public model::Solver {
   model::SolverOptions options_;
   std::optional<ThreadPool> pool_;
   model::SubstepPlan plan_, probed_plan_;
-  const LaneStages* lanes_ = nullptr;  // null: one by one
+  const LaneStages* lanes_ = nullptr;  // null: items one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};
-  Slices slices_;                          // where lanes_ is
-  Sweeps sweeps_;                          // none: stage by stage
-  std::optional<ContactSearch> contacts_;  // where the model has contact
+  Slices slices_;                          // if lanes_ is set
+  Sweeps sweeps_;                          // empty: stage by stage
+  std::optional<ContactSearch> contacts_;  // if the model has contact
   std::vector<ColliderReach> reaches_;     // of the substep's colliders
   model::ImplicitTables tables_;
-  double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
+  double step_before_ = 0.0;  // s: length of the substep that began at positions_before; 0: none
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};
   std::deque<Frame> done_;

@@ -1,5 +1,5 @@
-// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver for any number of threads and any
-// vector instructions. Submit a Drive for each frame and collect its positions (host/model/solver.h).
+// CpuSolver: the float solver on the CPU, with the same bits as VulkanSolver for any number of threads and
+// any vector instructions. Submit a Drive for each frame and collect its positions (host/model/solver.h).
 #pragma once
 
 #include <memory>
@@ -10,16 +10,15 @@
 
 namespace fascicle::cpu_reference {
 
-// What a solver leaves for the next one, where solvers are made again and again for models that differ in
-// little. The bits are the same with it and without. Copies share what they hold, and may be used by several
-// threads, each its own.
+// Data that a solver leaves for the next one, for programs that repeatedly make solvers for similar models.
+// It does not change any bit. Copies share their data; each thread may use its own copy.
 struct SolverMemory {
   ContactRestMemory contact;
 };
 
-// `memory` may be null. `threads` 0: one for each core. The model must outlive the solver and have passed
+// `memory` may be null. `threads` 0: one per core. The model must outlive the solver and have passed
 // check_model. Throws std::invalid_argument for options that do not fit the model, and for instructions that
-// the machine has not.
+// the machine lacks.
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
                                                unsigned threads = 0, Simd simd = Simd::automatic,
                                                SolverMemory* memory = nullptr);

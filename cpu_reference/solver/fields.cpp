@@ -55,7 +55,7 @@ Column rotations_of(const Fields& fields) {
 
 namespace {
 
-// The linear map row by row, the translation.
+// The linear map row by row, then the translation.
 std::vector<Column> transforms_of(const Fields& fields) {
   const auto part = [&](std::size_t place, std::size_t width) {
     return Column{fields.regions, region_stride, place, width};

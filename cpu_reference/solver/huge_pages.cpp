@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t page = std::size_t{2} << 20;
 constexpr std::size_t line = 64;
-// Of a mapping only what is touched costs memory, so blocks may be generous.
+// Only touched pages of a mapping cost memory, so blocks may be generous.
 constexpr std::size_t least_block = 4 * page;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t unit) {
@@ -22,7 +22,7 @@ std::size_t rounded_up(std::size_t bytes, std::size_t unit) {
 
 }  // namespace
 
-// A block that a sanitizer watches is one array's, or it would not see one array run over into the next.
+// Under a sanitizer every array has its own block; else it would miss overruns from one array into the next.
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
 
 HugePages::~HugePages() {
@@ -30,8 +30,8 @@ HugePages::~HugePages() {
 }
 
 void HugePages::add_block(std::size_t bytes) {
-  // A page more than needed, so that the first one can begin where a large page does. Of its own mapping, as
-  // the wish for large pages would stay with a piece of the heap when the heap takes it back.
+  // One extra page, so that the first one can start at a huge page boundary. A separate mapping, because in a
+  // heap block the madvise would outlive the block.
   const std::size_t size = std::max(least_block, rounded_up(bytes, page)) + page;
   blocks_.reserve(blocks_.size() + 1);
   void* const begin = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -41,7 +41,7 @@ void HugePages::add_block(std::size_t bytes) {
       rounded_up(reinterpret_cast<std::uintptr_t>(begin), page) - reinterpret_cast<std::uintptr_t>(begin);
   free_ = static_cast<std::byte*>(begin) + skipped;
   left_ = size - skipped;
-  // A wish: where the system has no such pages, small ones do.
+  // A hint: without huge pages, the system uses small ones.
   (void)madvise(free_, left_ / page * page, MADV_HUGEPAGE);
 }
 
@@ -61,7 +61,7 @@ void HugePages::add_block(std::size_t bytes) {
 #endif
 
 void* HugePages::allocate(std::size_t bytes) {
-  // Behind an array of no elements there is a line too: its address is its own.
+  // Empty arrays get a line too, so that every address is unique.
   bytes = std::max(line, rounded_up(bytes, line));
   if (bytes > left_) add_block(bytes);
   std::byte* const given = free_;

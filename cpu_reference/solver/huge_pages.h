@@ -1,5 +1,5 @@
-// Memory of a solver's large arrays, in pages of 2 MiB where the system has them: one-rings are gathered from
-// all over these arrays, and with pages of 4 KiB the look-up of addresses took a quarter of a substep's time.
+// Memory for a solver's large arrays, in pages of 2 MiB if the system has them: one-rings are gathered from
+// all over these arrays, and with 4 KiB pages TLB misses took a quarter of a substep's time.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace fascicle::cpu_reference {
 
-// Gives memory out piece by piece, each at a cache line, and takes it back all at once when destroyed.
+// Hands out memory piece by piece, aligned to cache lines, and frees it all at once when destroyed.
 class HugePages {
  public:
   HugePages() = default;
@@ -24,11 +24,11 @@ class HugePages {
     void* begin;
     std::size_t size;
   };
-  // Makes free_ begin in a new one that holds so many bytes.
+  // Points free_ at a new block of at least this size.
   void add_block(std::size_t bytes);
 
   std::vector<Block> blocks_;
-  std::byte* free_ = nullptr;  // of the last block
+  std::byte* free_ = nullptr;  // in the last block
   std::size_t left_ = 0;
 };
 

@@ -1,6 +1,6 @@
-// Stages in lanes: the stages of stages.h over slices of vertices, many vertices an instruction, with the
-// same bits. The arithmetic is that of shaders/kernel, instantiated for numbers that are vectors (lanes.inc);
-// the stages are written once (lane_stages.inc) and compiled for each instruction set.
+// Stages in lanes: the stages of stages.h over slices of vertices, many vertices per instruction, with the
+// same bits. They instantiate the arithmetic of shaders/kernel for vector types (lanes.inc); the stages are
+// written once (lane_stages.inc) and compiled for each instruction set.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace fascicle::cpu_reference {
 
-// Plain pointers and numbers: an instruction set's code must share no inline function of a library with code
-// for others, or the linker may give one's to the other.
+// Only plain pointers and numbers: code for one instruction set must share no inline library function with
+// code for another, or the linker may give one's instance to the other.
 struct LaneInput {
   std::uint32_t vertex_count;
   const std::uint32_t* first_row;
@@ -30,12 +30,12 @@ struct LaneInput {
   const std::int32_t* far_ring;
   const float *taken, *given;
 
-  // The model's arrays, by their rows in model_arrays; null where empty. array_of gives them their types.
+  // The model's arrays, by their rows in model_arrays; null if empty. array_of restores their types.
   const void* arrays[model::model_member_count];
   std::uint32_t muscle_count, force_count;
   bool has_skeleton;
 
-  // Of stage limit: those that a range of slices counts, by number; null: all.
+  // For stage limit: the numbers of the limits that a range of slices covers; null: all.
   std::uint32_t limit_count;
   const std::uint32_t* listed_limit;
 
@@ -49,7 +49,7 @@ struct LaneInput {
 
   // As in Fields.
   float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
-  const float* tied;  // null without
+  const float* tied;  // null without ties
   float *iterate_before, *positions_before, *velocities_before;
   const float* skinned_before;
   float* lack;
@@ -58,18 +58,18 @@ struct LaneInput {
 
 LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
 
-// The stages take a range of slices each.
+// Each stage takes a range of slices.
 struct LaneStages {
   LaneStage skin, region, update, iterate;
-  LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update
+  LaneStage predict, integrate;  // for an implicit substep; an explicit one's are in update
   LaneStage lack;                // over slices of limits
   ContactLanes contact;
 };
 
-// Null for scalar, and where this build has none for the level.
+// Null for scalar, and if this build has none for the level.
 const LaneStages* lane_stages(Simd level);
 
-// One for each instruction set; null where the compiler was not told to use it.
+// One per instruction set; null if the compiler was not told to use it.
 const LaneStages* baseline_lane_stages();
 const LaneStages* sse4_lane_stages();
 const LaneStages* avx2_lane_stages();

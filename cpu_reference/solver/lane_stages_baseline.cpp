@@ -1,4 +1,4 @@
-// Stages in lanes with what every processor of its kind has: four lanes of SSE2 or NEON.
+// Stages in lanes with the architecture's baseline instructions: four lanes of SSE2 or NEON.
 #include <cstddef>
 #include <utility>
 

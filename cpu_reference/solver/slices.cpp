@@ -128,7 +128,7 @@ double substep_bytes(const Model& model, std::uint32_t passes) {
   // Maps, neighbours and degree, tag; position, read and written.
   const double blend = region + entries * entry + 2 * number + 2 * vertex;
   if (!model.is_implicit()) return regions + blend + 2 * vector;
-  // y, the iterate before, the goal, the response.
+  // y, the previous iterate, the goal, the response.
   return passes * (regions + blend + vector + 2 * vector + vector + sizeof(shader::Response));
 }
 

@@ -89,7 +89,7 @@ Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields
                                          load_vector(fields.skinned_before, i), in.step.inverse_h);
 }
 
-// Gravity, the scene's forces and the ties on vertex i.
+// Acceleration of vertex i by gravity, the scene's forces and ties.
 Vector external_acceleration(const Model& model, const SubstepInput& in, const Fields& fields,
                              std::uint32_t i) {
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
@@ -116,7 +116,7 @@ Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fiel
   return kernel::predict_velocity<float>(velocity, acceleration, in.step.h);
 }
 
-// The region has a muscle.
+// Requires a region with a muscle.
 Matrix scale_of_muscles(const Model& model, const SubstepInput& in, std::uint32_t r) {
   const shader::RegionFrame& frame = model.region_frame[r];
   const Vector n{frame.normal_x, frame.normal_y, frame.normal_z};
@@ -160,7 +160,7 @@ void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint3
   store_position(fields, i, kernel::integrate_position<float>(position, v, in.step.h));
 }
 
-// y, and the position from which the iterations start.
+// y, and the start of the iterations.
 void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
   const Vector q = load_position(fields, i);
   const Vector q_before = load_vector(fields.positions_before, i);
@@ -206,7 +206,7 @@ void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const V
   store_vector(fields.iterate_before, i, x);
 }
 
-// The position is there, the velocity follows.
+// The position is known, the velocity follows.
 void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
   const Vector u = velocity_of_skin(model, in, fields, i);
   if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
@@ -354,7 +354,7 @@ void relax(const Model& model, const SubstepInput& in, Fields& fields, Range ran
 
 namespace {
 
-// place(i) is where vertex i is seen.
+// place(i) is vertex i's position.
 template <class PlaceOf>
 kernel::LimitVolume<float> volume_of(const shader::Limit& l, const PlaceOf& place) {
   return kernel::limit_volume<float>(place(l.corner_a), place(l.corner_b), place(l.corner_c),

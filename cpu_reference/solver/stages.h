@@ -1,7 +1,7 @@
-// The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
+// The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Indexing only: the
 // arithmetic is in shaders/kernel. Call a stage for ranges that cover the body, on any threads, and wait for
-// all of them before the next stage. What a stage reads of other vertices, an earlier stage wrote; what it
-// overwrites (rotations, velocities, positions), only the vertex itself reads in that stage.
+// all of them before the next stage. A stage reads from other vertices only what earlier stages wrote; what
+// it overwrites (rotations, velocities, positions) is read in that stage only by the vertex itself.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ struct Range {
   std::uint32_t first, last;
 };
 
-// A solid with what collide_reach.h needs to reject vertices: a plane's normal and height, or the middle of
-// another solid; squared, how far beyond that it reaches and what it turns by.
+// A solid with the data that collide_reach.h needs to reject vertices: a plane's normal and height, or the
+// centre of another solid; and, squared, its extent beyond that and its turning.
 struct ColliderReach {
   float x = 0.0f, y = 0.0f, z = 0.0f;
   float height = 0.0f, reach = 0.0f, turning = 0.0f;
-  std::uint32_t bit = 1;  // of it in Model::spared
+  std::uint32_t bit = 1;  // its bit in Model::spared
   bool is_plane = false;
 };
 
-// One substep's uniform values and this substep's bones, muscles, forces and colliders.
+// One substep's uniform values, bones, muscles, forces and colliders.
 struct SubstepInput {
   shader::Substep step{};
   std::span<const shader::Bone> bones;
@@ -39,25 +39,25 @@ struct SubstepInput {
   std::span<const float> decay;
   bool mueller = false;
   shader::ImplicitStep implicit{};
-  std::span<const shader::Response> responses;  // those of the step: n, or none
+  std::span<const shader::Response> responses;  // for the step: n, or none
 };
 
-// A kernel over a range of its items, and in lanes over one of slices: lane_stages.h.
+// A kernel over a range of its items; in lanes, over a range of slices: lane_stages.h.
 using ModelStage = void (*)(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 struct LaneInput;
 struct LaneStages;
 using LaneStage = void (*)(const LaneInput& in, Range slices);
 
-// A kernel one item after the other, and in lanes where it is written so.
+// A kernel's code for single items, and in lanes if it has such code.
 struct KernelCode {
   ModelStage one_by_one = nullptr;
   LaneStage LaneStages::*in_lanes = nullptr;
 };
-// Of the kernels of a plan that are run one by one. Throws std::logic_error for others: CpuSolver carries out
-// the stages limit and contact as a whole.
+// For kernels of a plan that run one by one. Throws std::logic_error for others: CpuSolver runs the stages
+// limit and contact as a whole.
 KernelCode code_of(model::Kernel kernel, const model::Model& model, model::Rotation rotation);
 
-// Each follows the integrator of the model. Only implicit models have relax.
+// Each follows the model's integrator. Only implicit models have relax.
 void rebase(const SubstepInput& in, Fields& fields, Range range);
 void skin(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void tie(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
@@ -65,8 +65,7 @@ void predict(const model::Model& model, const SubstepInput& in, Fields& fields, 
 void region(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void goal(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void relax(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
-// A pass of stage limit: over the model's limits, over the vertices, over the limits that lack volume, over
-// the vertices.
+// One pass of stage limit: over the model's limits, the vertices, the limits that lack volume, the vertices.
 void lack(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void push(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);

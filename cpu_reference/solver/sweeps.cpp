@@ -11,35 +11,35 @@ namespace fascicle::cpu_reference {
 
 namespace {
 
-// The first pass goes ahead by so many slices at a time: regions are worked on by twos, and a call has its
+// The first pass advances by this many slices at a time: regions are processed in pairs, and each call has a
 // cost.
 constexpr std::uint32_t slices_of_step = 128;
 
-// Slices of regions that the vertices of slices up to this one take maps of lie below.
+// One past the last slice of regions whose maps the vertices of slices up to this one use.
 std::uint32_t end_of_reach(const std::uint32_t* reach, std::uint32_t slice) {
   return (reach[slice] + slice_size - 1) / slice_size;
 }
 
-// The lowest slice in the one-rings of each slice and of those after it; behind the last slice the end.
+// The lowest slice in the one-rings of each slice and of those after it; at the end, the slice count.
 std::vector<std::uint32_t> lowest_slices(const model::Model& model, const Slices& slices) {
   std::vector<std::uint32_t> lowest(slices.count + 1, slices.count);
   for (std::uint32_t i = model.vertex_count; i-- > 0;) {
     std::uint32_t& low = lowest[i / slice_size];
     low = std::min({low, i / slice_size, lowest[i / slice_size + 1]});
-    // Ascending: the first is the lowest.
+    // Rings are ascending: the first is the lowest.
     if (model.ring_offset[i] < model.ring_offset[i + 1])
       low = std::min(low, model.ring[model.ring_offset[i]] / slice_size);
   }
   return lowest;
 }
 
-// How far one-rings reach, of the slices up to each and from each on; both ascend.
+// The reach of one-rings: `end` for slices up to each, `begin` for slices from each on; both ascend.
 struct Reach {
   std::vector<std::uint32_t> end, begin;
   std::uint32_t count;
   std::uint32_t widest, mean;  // slices from one to the end of its reach
 
-  // The slices whose one-rings lie inside the range; the body's ends bound nothing.
+  // The slices whose one-rings lie inside the range; the body's ends are no bounds.
   Range inside(Range range) const {
     Range result{0, count};
     if (range.first > 0)
@@ -64,17 +64,17 @@ Reach reach_of(const model::Model& model, const Slices& slices) {
   return reach;
 }
 
-// Where tile k of `count` begins: those at the body's ends are narrower by what passes lose at one end, so
-// that all have the same to do.
+// Where tile k of `count` begins: the tiles at the body's ends are narrower by what passes lose at one end,
+// so that all have the same work.
 std::uint32_t cut(const Reach& reach, std::uint32_t k, std::uint32_t count, std::uint32_t passes) {
   if (k == 0 || k == count) return k == 0 ? 0 : reach.count;
-  // A pass loses what its vertices reach and what its regions do: in the mean over all of them this.
+  // A pass loses the reach of its vertices and that of its regions: this, averaged over all passes.
   const std::uint64_t lost = std::uint64_t{reach.mean} * (passes + 1);
   const std::uint64_t at = (reach.count + 2 * lost) * k / count;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(at, lost, lost + reach.count) - lost);
 }
 
-// None where a pass would have nothing to do.
+// Nothing if a pass would be empty.
 std::optional<Parts> tile_of(const Reach& reach, Range range, std::uint32_t passes) {
   Parts tile;
   for (std::uint32_t p = 0; p < passes; ++p) {
@@ -107,7 +107,7 @@ Sweeps sweeps_of(const Reach& reach, std::uint32_t count, std::uint32_t passes) 
   return sweeps;
 }
 
-// Of all passes' vertices, the share that tiles do.
+// The share of all passes' vertices that tiles cover.
 double share_inside(const Sweeps& sweeps, const Reach& reach) {
   std::uint64_t inside = 0;
   for (const Parts& tile : sweeps.tiles)
@@ -115,14 +115,14 @@ double share_inside(const Sweeps& sweeps, const Reach& reach) {
   return static_cast<double>(inside) / static_cast<double>(std::uint64_t{sweeps.passes()} * reach.count);
 }
 
-// Of what a solver keeps of a vertex, one-rings included.
+// Bytes that a solver keeps per vertex, one-rings included.
 constexpr std::size_t bytes_of_vertex = 350;
-// What the passes of all threads' sweeps may have underway: half of a usual processor's last cache.
+// Working set of all threads' sweeps: half of a typical last-level cache.
 constexpr std::size_t bytes_of_sweeps = std::size_t{16} << 20U;
 
-// So many that what lies between the first pass and the last stays in the cache.
+// The number of passes for which all data between the first pass and the last stays in the cache.
 std::uint32_t passes_in_cache(const Reach& reach, unsigned threads) {
-  // A pass stays behind the one before by what its regions reach and what its vertices do.
+  // A pass lags behind the previous one by the reach of its regions and that of its vertices.
   const std::size_t bytes = 2 * bytes_of_vertex * slice_size * reach.widest * threads;
   return static_cast<std::uint32_t>(std::clamp<std::size_t>(bytes_of_sweeps / bytes, 1, most_swept_passes));
 }
@@ -136,13 +136,13 @@ Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned thr
   Sweeps best;
   double least_cost = std::numeric_limits<double>::infinity();
   for (std::uint32_t passes = passes_in_cache(reach, threads); passes > 0; --passes)
-    // Two a thread let threads help each other.
+    // Two tiles per thread let threads help each other.
     for (const unsigned of_thread : {2u, 1u}) {
       if (threads == 1 && of_thread > 1) continue;
       Sweeps sweeps = sweeps_of(reach, threads * of_thread, passes);
       if (sweeps.empty()) continue;
       const double inside = share_inside(sweeps, reach);
-      // How often memory is read: once by all passes of a tile, by each pass of a joint.
+      // How often memory is read: once for all passes of a tile, once for each pass of a joint.
       const double cost = inside / passes + (1.0 - inside);
       if (inside < least_inside || cost >= least_cost) continue;
       best = std::move(sweeps);
@@ -153,11 +153,11 @@ Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned thr
 
 void run_tile(const Parts& tile, std::span<const Pass> passes) {
   assert(!passes.empty() && passes.size() <= tile.size());
-  // Not on the heap: a job of the pool must not throw.
+  // Not on the heap: jobs of the pool must not throw.
   std::array<Part, most_swept_passes> parts{};
   std::copy_n(tile.begin(), passes.size(), parts.begin());
   const std::span<Part> left(parts.data(), passes.size());
-  // Slices that a pass may take, and takes by twos while more follow: regions are worked on so.
+  // The slices that a pass may process, an even number while more follow: regions are processed in pairs.
   const auto take = [](Range& mine, const std::uint32_t* reach, const Range& needed) {
     const bool all = needed.first >= needed.last;
     std::uint32_t end = mine.first;

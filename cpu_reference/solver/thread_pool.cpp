@@ -8,13 +8,13 @@ namespace fascicle::cpu_reference {
 
 namespace {
 
-// Enough that what others take of a core can be made up for, few enough that claims cost nothing.
+// Enough to even out cores lost to other programs, few enough that claims cost nothing.
 constexpr std::size_t chunks_of_thread = 4;
 
-// Long enough to bridge the gap between two stages, short enough not to burn a core others need.
+// Long enough to bridge the gap between two stages, short enough not to burn a core that others need.
 constexpr int spins_before_sleep = 1000;
 
-// Not std::this_thread::yield: where other programs are busy that gives the core away for milliseconds.
+// Not std::this_thread::yield: if other programs are busy, that gives the core away for milliseconds.
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -37,8 +37,8 @@ bool spin_until(Ready ready) {
 ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   claims_ = std::make_unique<Claim[]>(chunks_of_thread * threads);
-  // A thread that is underway must be joined whatever happens, so nothing may leave this loop by an
-  // exception. Workers touch no claim before the first round.
+  // A running thread must be joined whatever happens, so no exception may leave this loop. Workers touch no
+  // claim before the first round.
   try {
     for (unsigned worker = 1; worker < threads; ++worker)
       workers_.emplace_back([this, worker] { work(worker); });
@@ -68,15 +68,15 @@ void ThreadPool::run_chunk(std::size_t chunk) const {
   if (first < last) (*job_)(first, last);
 }
 
-// Every chunk is claimed once a round, so that a thread which comes late, still with the number of a round
-// that is over, finds nothing to claim. While a claim holds, its round is not over: job_ and count_ stand.
+// Every chunk is claimed once per round, so a late thread, still with the number of a finished round, finds
+// nothing to claim. While a claimed chunk runs, its round is not over, so job_ and count_ stay valid.
 void ThreadPool::take_chunks(unsigned thread, std::uint64_t round) {
   const std::size_t chunks = chunk_count();
   for (std::size_t k = 0; k < chunks; ++k) {
     const std::size_t chunk = (thread * chunks_of_thread + k) % chunks;
     std::atomic<std::uint64_t>& claim = claims_[chunk].round;
     std::uint64_t before = round - 1;
-    // A failed exchange takes the cache line from whoever works; a look does not.
+    // A failed exchange takes the cache line away from the working thread; a load does not.
     if (claim.load(std::memory_order_relaxed) != before || !claim.compare_exchange_strong(before, round))
       continue;
     run_chunk(chunk);
@@ -97,7 +97,7 @@ void ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t
   unfinished_.store(chunk_count());
   const std::uint64_t round = round_.fetch_add(1) + 1;
   if (sleeping_.load() != 0) {
-    // Taken and given back, so that no worker is between its last look and its sleep.
+    // Locks and unlocks, so that no worker is between its last check and its sleep.
     { const std::lock_guard lock(sleep_); }
     called_.notify_all();
   }

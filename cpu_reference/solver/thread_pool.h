@@ -1,6 +1,6 @@
-// A fixed set of threads that run one job together. Small on purpose: a substep is tens of microseconds, so
-// workers spin briefly between jobs and then sleep. A job is cut into chunks that threads claim, so that a
-// worker to whom the system gives no core holds up one chunk at most, that which it has begun.
+// A fixed set of threads that run one job together. Simple on purpose: a substep takes tens of microseconds,
+// so workers spin briefly between jobs and then sleep. A job is split into chunks that threads claim, so a
+// worker that the system gives no core delays only the chunk that it has begun.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,8 @@ namespace fascicle::cpu_reference {
 
 class ThreadPool {
  public:
-  // `threads` counts the caller; 0 means one for each core. Where the system refuses to make that many (a
-  // limit on memory or on processes) the pool is smaller: size() tells, and no result depends on it.
+  // `threads` includes the caller; 0 means one per core. If the system refuses to create that many (a limit
+  // on memory or on processes), the pool is smaller; size() gives its size, and no result depends on it.
   explicit ThreadPool(unsigned threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -25,14 +25,14 @@ class ThreadPool {
 
   unsigned size() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
-  // Runs job(first, last) on the chunks of a split of [0, count), each once, and returns when all are done.
-  // The split depends on count and size() alone; which thread takes a chunk does not: each begins with its
-  // own, in order, then helps the next thread. The job must not throw.
+  // Splits [0, count) into chunks, runs job(first, last) once on each, and returns when all are done. The
+  // split depends only on count and size(). Which thread runs a chunk varies: each starts with its own
+  // chunks, in order, then helps the next thread. The job must not throw.
   void run(std::uint32_t count, const std::function<void(std::uint32_t first, std::uint32_t last)>& job);
 
  private:
-  // The last round in which somebody took the chunk. What different threads write lies apart, so that they do
-  // not share cache lines.
+  // The last round in which a thread claimed the chunk. Data that different threads write is kept on separate
+  // cache lines.
   static constexpr std::size_t line = 64;
   struct alignas(line) Claim {
     std::atomic<std::uint64_t> round{0};
@@ -51,7 +51,7 @@ class ThreadPool {
   std::atomic<bool> stop_{false};
   alignas(line) std::atomic<std::size_t> unfinished_{0};  // chunks of this round
 
-  // For threads that have spun in vain.
+  // For threads that have spun without finding work.
   alignas(line) std::mutex sleep_;
   std::condition_variable called_, finished_;
   std::atomic<unsigned> sleeping_{0};
