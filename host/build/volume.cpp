@@ -21,7 +21,7 @@ constexpr double flat_moment = 1e-3;
 // The threshold of extract_rotation in shaders/kernel/rotation.inc.
 constexpr double least_turned = 0x1p-40;
 
-// (8) at rest, with the weights as the solvers have them.
+// The moment at rest, with the weights as the solvers have them.
 Matrix3d rest_moment(const Model& model, std::uint32_t r) {
   const auto rest = [&](std::uint32_t i) { return vector_at(model.rest, i); };
   const float* centre = &model.region_rest[4 * std::size_t{r}];
