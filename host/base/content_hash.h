@@ -1,4 +1,4 @@
-// XXH3-128 of a mixture of numbers, arrays and texts.
+// XXH3-128 of a sequence of numbers, arrays and strings.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,8 @@ class ContentHash {
   template <class T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void add(T value) { add_bytes(&value, sizeof value); }
-  // Its length goes in too: else an element could move from one array to the next unseen. T without padding.
+  // Hashes the length too: otherwise an element could move from one array to the next unnoticed. T must have
+  // no padding.
   template <class T>
   void add_array(std::span<const T> values) {
     add(std::uint64_t{values.size()});

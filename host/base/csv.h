@@ -1,4 +1,4 @@
-// Lines of comma separated values (RFC 4180).
+// Lines of comma-separated values (RFC 4180).
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace fascicle::base {
 
-// The fields of a line; one in quotation marks may hold commas, and two marks for one.
+// The fields of a line. A quoted field may contain commas, and "" for a quotation mark.
 std::vector<std::string> csv_fields(std::string_view line);
 
 }  // namespace fascicle::base

@@ -1,4 +1,4 @@
-// A descriptor of the system, closed with its owner.
+// A file descriptor that closes itself.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace fascicle::base {
 
-// Move-only. What a write that was put off has to say at the end is lost: files that are written are
-// base::File.
+// Move-only. Ignores errors from close(), so delayed write errors are lost: use base::File for files that are
+// written.
 class Descriptor {
  public:
-  // Below 0: none.
+  // Negative: none.
   explicit Descriptor(int number = -1) : number_(number) {}
   Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
@@ -33,7 +33,7 @@ class Descriptor {
   int number_;
 };
 
-// The end to read and the end to write; neither outlives exec(). Throws std::system_error.
+// The read end and the write end, both close-on-exec. Throws std::system_error.
 inline std::pair<Descriptor, Descriptor> make_pipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");

@@ -1,4 +1,4 @@
-// What is thrown where an input or an output cannot be used: a message for the user.
+// Exceptions for unusable inputs and outputs. The message is for the user.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +7,12 @@
 
 namespace fascicle::base {
 
-// Input that cannot be used. what() reads "FILE:LINE: KEY: what is wrong; what to do".
+// Unusable input. what() reads "FILE:LINE: KEY: what is wrong; what to do".
 struct SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to
+// A folder that cannot be baked into, or a cache that does not match: bad input or usage. what() says what to
 // do.
 struct BakeError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -1,8 +1,8 @@
-// Tables of an aggregate's members: one row a member. What is done to every member (check, hash, read, write,
-// print) goes through the table, and a member without a row does not compile.
+// Tables of an aggregate's members, one row per member. Code that handles every member (check, hash, read,
+// write, print) uses the table, and a member without a row does not compile.
 //
-// A table is a std::tuple of rows; a row is any struct with `member`, a pointer to member. Rows without a
-// `member` may stand among them. Beside the table stands
+// A table is a std::tuple of rows; a row is any struct with `member`, a pointer to member. A table may also
+// contain rows without `member`. Next to the table, write
 //
 //   static_assert(base::has_row_for_each_member<Owner, decltype(table)>, "...");
 #pragma once
@@ -17,7 +17,7 @@ namespace fascicle::base {
 
 namespace detail {
 
-// Stands for a value of any type; never defined.
+// Converts to any type; never defined.
 struct AnyValue {
   template <class T>
   operator T() const;
@@ -38,7 +38,7 @@ auto types_of_row(const Row& row) {
     return Types<>{};
 }
 
-// Values of the types fill Owner, in order, and there is room for no more.
+// Whether values of these types initialise all of Owner's members, in order.
 template <class Owner, class... T>
 consteval bool is_filled_by(Types<T...>) {
   return requires {
@@ -59,7 +59,7 @@ struct Coverage<Owner, std::tuple<Rows...>> {
 
 }  // namespace detail
 
-// Whether the rows name each member of the aggregate Owner, in the order of the struct.
+// Whether the rows name every member of the aggregate Owner, in the order of the struct.
 template <class Owner, class Table>
 inline constexpr bool has_row_for_each_member =
     std::is_aggregate_v<Owner>&& detail::Coverage<Owner, std::remove_const_t<Table>>::is_complete;
@@ -83,7 +83,7 @@ constexpr void for_each_row(const std::tuple<Rows...>& table, Use&& use) {
   std::apply([&use](const auto&... rows) { (use(rows), ...); }, table);
 }
 
-// The number of the row whose member is `member`; the table's size if there is none.
+// The index of the row whose member is `member`; the table's size if there is none.
 template <class... Rows, class Owner, class Value>
 consteval std::size_t row_of(const std::tuple<Rows...>& table, Value Owner::*member) {
   return std::apply(

@@ -40,9 +40,9 @@ int open_retried(const fs::path& path, int flags) {
   }
 }
 
-// A link of that name may lead anywhere: neither it nor a file with further names is written into.
+// O_EXCL: an existing name may be a symbolic link to anywhere, or a hard link. Neither is written through.
 int open_new(const fs::path& path) {
-  constexpr int most_tries = 8;  // others may make the name again and again
+  constexpr int most_tries = 8;  // others may keep recreating the name
   int descriptor = -1;
   for (int k = 0; k < most_tries; ++k) {
     descriptor = open_retried(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW);
@@ -58,7 +58,7 @@ fs::path with_suffix(const fs::path& path, const std::string& suffix) {
 
 using Pieces = std::span<const std::string_view>;
 
-// Leaves nothing where it fails.
+// Leaves no file behind on failure.
 void write_new(const fs::path& path, Pieces pieces, bool sync) {
   try {
     File file(path, FileMode::replace);
@@ -88,7 +88,7 @@ std::string message_of(int error) {
   return std::generic_category().message(error);
 }
 
-// Of what was opened, not of its name, which may mean something else by now.
+// Asks the open file, not its name, which may refer to another file by now.
 std::uint64_t size_of_regular(int descriptor, const fs::path& path) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) throw InputError(path, "cannot be read: " + message_of(errno));
@@ -99,7 +99,7 @@ std::uint64_t size_of_regular(int descriptor, const fs::path& path) {
 // O_NONBLOCK: opening a pipe must not wait for its other end. On regular files it does nothing.
 constexpr int input_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
 
-// Nothing where there is no file of that name.
+// Nothing if no file has that name.
 template <class Bytes>
 std::optional<Bytes> read_whole(const fs::path& path, std::uint64_t most_bytes, Links links) {
   const Descriptor file(::open(path.c_str(), input_flags | (links == Links::refused ? O_NOFOLLOW : 0)));
@@ -112,8 +112,8 @@ std::optional<Bytes> read_whole(const fs::path& path, std::uint64_t most_bytes, 
                                  " bytes that are read of such a file; is it the right one?");
   };
   refuse_above(size);
-  // To its end and not to its size: it may grow meanwhile, and files of /proc say 0. The byte more shows the
-  // end.
+  // Reads to the end of the file, not to its size: the file may grow meanwhile, and files in /proc report
+  // size 0. The extra byte detects the end.
   Bytes bytes;
   bytes.resize(static_cast<std::size_t>(size) + 1);
   std::size_t done = 0;
@@ -262,7 +262,7 @@ void sync_folder(const fs::path& folder) {
   const int result = ::fsync(descriptor);
   const int code = errno;
   ::close(descriptor);
-  // Some file systems cannot sync a folder and say EINVAL; their renames are as durable as they get.
+  // Some file systems cannot sync a folder and report EINVAL; their renames are as durable as they can be.
   if (result != 0 && code != EINVAL) {
     errno = code;
     fail("cannot write to disk", folder);
@@ -282,7 +282,7 @@ void stage(const fs::path& path, std::string_view bytes) {
 }
 
 void publish(const fs::path& folder, std::span<const fs::path> paths) {
-  // A disk takes several at a time for hardly more than it takes one.
+  // A disk handles several syncs at once in little more time than one.
   constexpr std::size_t most_at_once = 8;
   for_each_in_parallel(paths.size(), most_at_once, [&](std::size_t k, std::size_t) {
     File(with_suffix(paths[k], temporary_suffix), FileMode::modify).sync();
@@ -292,7 +292,7 @@ void publish(const fs::path& folder, std::span<const fs::path> paths) {
 }
 
 void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
-  // On a shared file system the others run on other hosts too, where a process may have the same number.
+  // On a shared file system, others may run on other hosts, where a process may have the same id.
   std::random_device entropy;
   const std::uint64_t number = std::uint64_t{entropy()} << 32 | entropy();
   const std::string own = "." + hash_text(number) + temporary_suffix;

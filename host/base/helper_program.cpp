@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* folder_prefix = "fascicle-helper-";
 
-// Those of programs that were killed: no helper runs for as long as an hour.
+// Folders of programs that were killed: no helper runs for as long as an hour.
 void remove_abandoned_folders() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::temp_directory_path(), error)) {
@@ -54,11 +54,11 @@ bool is_program(const fs::path& path) {
 fs::path own_module() {
   Dl_info info{};
   link_map* module = nullptr;
-  // The executable itself has no name in the list of what is loaded.
+  // The executable's own entry in the list of loaded modules has an empty name.
   if (::dladdr1(reinterpret_cast<const void*>(&own_module), &info, reinterpret_cast<void**>(&module),
                 RTLD_DL_LINKMAP) != 0 &&
       module != nullptr && module->l_name != nullptr && module->l_name[0] != '\0') {
-    // By a run path it is "MODULE/../../lib/...", whose parents are no prefix of its text.
+    // With a run path, the name is "MODULE/../../lib/...", so its parents are not a textual prefix.
     const fs::path named = fs::absolute(module->l_name);
     std::error_code missing;
     const fs::path folder = fs::canonical(named.parent_path(), missing);

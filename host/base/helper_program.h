@@ -1,4 +1,4 @@
-// Programs of our own that do what may crash: finding them, their last words, a folder for their files.
+// Helper programs, which do what may crash: finding them, their last words, a folder for their files.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace fascicle::base {
 
-// A folder of our own that goes when this does.
+// A temporary folder, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder();  // throws std::system_error
@@ -22,16 +22,16 @@ class TemporaryFolder {
 };
 
 bool is_program(const std::filesystem::path& path);
-// The file that holds this code: the executable, or the shared library that another program has loaded; empty
-// where the system does not say.
+// The file that contains this code: the executable, or the shared library that another program has loaded.
+// Empty if the system does not say.
 std::filesystem::path own_module();
-// Its folder, or empty.
+// Its folder; may be empty.
 std::filesystem::path own_folder();
-// The program of this name beside that file, in the folder `bin` beside its folder or one above (where a
-// library is installed), or the first on PATH; empty where there is none.
+// Looks for the program beside that file, then in the folder `bin` beside the file's folder or one level up
+// (where an installed library finds it), then on PATH. Empty if there is none.
 std::filesystem::path find_helper(const std::string& name);
 
-// The last line that the helper wrote, without its name, for a message of one line; or nothing.
+// The last line that the helper wrote, without the helper's name, for a one-line message; may be empty.
 std::string last_line(const ProcessResult& result, const std::string& name);
 
 }  // namespace fascicle::base

@@ -1,6 +1,6 @@
-// Enumerations whose values have names: the words of scene files, options, messages and manifests.
+// Enumerations whose values have names: the words used in scene files, options, messages and manifests.
 //
-// Beside the enumeration, in its namespace, stands its one table, the names in the order of the values:
+// The single table of names is next to the enumeration, in its namespace, in the order of the values:
 //
 //   enum class Fruit { apple, pear };
 //   constexpr auto names_of(Fruit) { return std::array{"apple", "pear"}; }
@@ -26,7 +26,7 @@ constexpr const char* name_of(E value) {
   return names_of(value).at(static_cast<std::size_t>(value));
 }
 
-// Nothing where no value has the name.
+// Nothing if no value has the name.
 template <Named E>
 constexpr std::optional<E> named(std::string_view name) {
   constexpr auto names = names_of(E{});

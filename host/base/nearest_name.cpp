@@ -6,7 +6,7 @@
 namespace fascicle::base {
 namespace {
 
-// Insertions, deletions, substitutions and swaps of neighbours that lead from a to b.
+// The number of insertions, deletions, substitutions and swaps of neighbours that turn a into b.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::array<std::vector<std::size_t>, 3> rows;
   for (auto& row : rows) row.resize(b.size() + 1);
@@ -28,9 +28,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names) {
-  // Longer than any name that could be meant; keeps the cost of a hostile key small.
+  // Longer than any real name; bounds the cost of a hostile key.
   given = given.substr(0, 256);
-  // Of several characters names begin with NAME/, which is soon forgotten.
+  // With several characters, names begin with NAME/, which is easily forgotten.
   const std::string owned = "/" + std::string(given);
   for (const std::string& name : names)
     if (!given.empty() && name.ends_with(owned)) return name;
@@ -39,7 +39,7 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
         return edit_distance(given, a) < edit_distance(given, b);
       });
   if (nearest == names.end()) return {};
-  // One slip is near however short the name is.
+  // One typo counts as near, however short the name is.
   constexpr std::size_t letters_a_slip = 3;
   const std::size_t longest = std::max({given.size(), nearest->size(), letters_a_slip});
   const bool is_near = letters_a_slip * edit_distance(given, *nearest) <= longest;

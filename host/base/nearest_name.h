@@ -1,4 +1,4 @@
-// Hints for names that were mistyped.
+// Hints for mistyped names.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace fascicle::base {
 
-// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
-// one that differs in more than a third of its letters is a guess, not a hint. A name that is `given`
-// behind a "/" goes first.
+// The name nearest to `given` by Damerau-Levenshtein distance; the first in a tie. Empty if none is near: a
+// name that differs in more than a third of its letters is a guess, not a hint. A name that ends in "/" and
+// `given` takes precedence.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
 
 // "; did you mean NAME?", or empty if none is near.

@@ -1,4 +1,4 @@
-// Independent pieces of work on all cores.
+// Runs independent pieces of work on all cores.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 namespace fascicle::base {
 
-// Calls work(piece, worker) once for every piece below `count`, on up to `most` threads, fewer where the
-// system refuses to make that many; `worker` is below their number and a worker does one piece at a time, so
-// each may own memory to work in. What a piece writes must depend on nothing but its number: then results do
-// not depend on the number of threads. The first exception ends the work and comes out of this call.
+// Calls work(piece, worker) once for every piece below `count`, on up to `most` threads, or fewer if the
+// system refuses to create that many. `worker` is below the number of threads, and a worker does one piece at
+// a time, so each may own scratch memory. What a piece writes must depend only on its number: then results do
+// not depend on the number of threads. The first exception stops the work and is rethrown.
 template <class Work>
 void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
   std::atomic<std::size_t> next{0};
@@ -36,8 +36,7 @@ void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
     try {
       for (std::size_t worker = 1; worker < std::min(count, most); ++worker)
         threads.emplace_back(run, worker);
-    } catch (
-        const std::system_error&) {  // a limit on processes or on memory: the threads there are do the work
+    } catch (const std::system_error&) {  // a limit on processes or memory: the existing threads do the work
     } catch (const std::bad_alloc&) {
     }
     run(0);
@@ -45,7 +44,7 @@ void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-// As many as are wanted; 0: one for each core, at least one.
+// The number of threads wanted; 0: one per core, at least one.
 inline std::size_t thread_count(std::size_t wanted = 0) {
   return wanted > 0 ? wanted : std::max<std::size_t>(1, std::thread::hardware_concurrency());
 }

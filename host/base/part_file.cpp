@@ -20,8 +20,8 @@ fs::path with_suffix(const fs::path& path, const char* suffix) {
   return fs::path(path.string() + suffix);
 }
 
-// Opens PATH.part of an earlier bake. One that came as far as its final name is taken back first: a bake that
-// stopped between its renames has both kinds.
+// Opens PATH.part of an earlier bake. If it already has its final name, it is renamed back first: a bake that
+// stopped between its renames has files of both kinds.
 File reopen(const fs::path& path) {
   const fs::path part = with_suffix(path, part_suffix);
   if (!fs::exists(fs::symlink_status(part))) {

@@ -1,4 +1,4 @@
-// Streams that a bake writes frame by frame; whole files are host/base/file.h's.
+// Streams that a bake writes frame by frame. For files written whole, see host/base/file.h.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace fascicle::base {
 
-// Suffix of a stream that is not finished.
+// Suffix of an unfinished stream.
 inline constexpr const char* part_suffix = ".part";
 
-// A stream that grows frame by frame under the name PATH.part and becomes PATH in finish().
+// A stream that grows frame by frame as PATH.part; finish() renames it to PATH.
 class PartFile {
  public:
   // Starts an empty stream.
   static PartFile start(const std::filesystem::path& path);
-  // Goes on after the first `bytes` bytes of an earlier stream, unfinished or finished. Throws BakeError if
-  // it is not there or holds less.
+  // Continues after the first `bytes` bytes of an earlier stream, finished or not. Throws BakeError if it
+  // does not exist or is shorter.
   static PartFile resume(const std::filesystem::path& path, std::uint64_t bytes);
-  // Goes on after the first `lines` lines.
+  // Continues after the first `lines` lines.
   static PartFile resume_lines(const std::filesystem::path& path, std::uint64_t lines);
 
   void write(std::string_view bytes) { file_.write(bytes); }
-  // Writes over what was written before.
+  // Overwrites earlier bytes.
   void write_at(std::uint64_t offset, std::string_view bytes) { file_.write_at(offset, bytes); }
   void sync() { file_.sync(); }
   void finish();
@@ -36,7 +36,7 @@ class PartFile {
   File file_;
 };
 
-// What must wait for the end of a stream: grows under the name PATH.part and goes into another file.
+// Holds data that belongs at the end of a stream: grows as PATH.part and is then appended to another file.
 class SpoolFile {
  public:
   static SpoolFile start(const std::filesystem::path& path);
@@ -45,9 +45,9 @@ class SpoolFile {
     size_ += bytes.size();
   }
   std::uint64_t size() const { return size_; }
-  // Appends `bytes` bytes from `offset` on to `to`.
+  // Appends `bytes` bytes, starting at `offset`, to `to`.
   void copy_to(PartFile& to, std::uint64_t offset, std::uint64_t bytes) const;
-  // Appends all of it to `to` and removes it.
+  // Appends everything to `to` and removes this file.
   void move_to(PartFile& to);
   void remove();
 

@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* part_suffix = ".part-";
 
-// Those that end a process, but for SIGKILL.
+// The signals that end a process, except SIGKILL.
 constexpr std::array ending{SIGHUP, SIGINT,  SIGQUIT, SIGTERM, SIGXCPU,
                             SIGILL, SIGABRT, SIGBUS,  SIGFPE,  SIGSEGV};
 
-// A handler is given nothing, so what it needs cannot be anywhere else.
+// A signal handler receives no context, so its data must be global.
 struct Listener {
   const char* part = nullptr;
   std::array<struct sigaction, ending.size()> before{};
@@ -32,7 +32,8 @@ Listener& listener() {
   return listener;
 }
 
-// What it was before is put back by SA_RESETHAND: the same signal then ends the process, and says by which.
+// SA_RESETHAND restores the default action: raising the same signal again ends the process with that signal
+// as its status.
 void remove_part(int number) {
   if (listener().part != nullptr) ::unlink(listener().part);
   ::raise(number);
@@ -42,7 +43,7 @@ void remove_part(int number) {
   throw std::system_error(errno, std::generic_category(), path);
 }
 
-// Of a helper that was killed: no helper runs for as long as an hour.
+// From helpers that were killed: no helper runs for as long as an hour.
 void remove_abandoned_parts(const fs::path& path) {
   const std::string prefix = path.filename().string() + part_suffix;
   std::error_code error;
@@ -64,7 +65,7 @@ void remove_abandoned_parts(const fs::path& path) {
 PendingOutput::PendingOutput(const std::string& path)
     : path_(path), part_(path + part_suffix + std::to_string(::getpid())) {
   remove_abandoned_parts(path_);
-  // What has the name already may be a link to anywhere, which is not written through.
+  // An existing name may be a link to anywhere, which must not be written through.
   ::unlink(part_.c_str());
   file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (file_.get() < 0) fail(path_);
@@ -100,7 +101,7 @@ void PendingOutput::listen() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_ONSTACK);
   for (std::size_t k = 0; k < ending.size(); ++k) {
     ::sigaction(ending[k], &action, &listener().before[k]);
-    // As with nohup.
+    // Keeps ignored signals ignored, as with nohup.
     if (listener().before[k].sa_handler == SIG_IGN) ::sigaction(ending[k], &listener().before[k], nullptr);
   }
 }

@@ -1,4 +1,4 @@
-// The file that a helper program writes.
+// A file that a helper program writes.
 #pragma once
 
 #include <string>
@@ -9,21 +9,21 @@
 
 namespace fascicle::base {
 
-// Made before the sandbox is entered, which lets no further file be written.
+// Create it before entering the sandbox, which allows no other file to be written.
 class PendingOutput {
  public:
-  // Makes an empty file beside `path`, and removes those that helpers left there which were killed more than
-  // an hour ago. Throws std::system_error.
+  // Creates an empty file next to `path`, and removes leftovers of helpers killed more than an hour ago.
+  // Throws std::system_error.
   explicit PendingOutput(const std::string& path);
   PendingOutput(const PendingOutput&) = delete;
   PendingOutput& operator=(const PendingOutput&) = delete;
-  // Removes it unless it was finished. A signal that ends the process, but for SIGKILL, removes it too; of
-  // several at a time that is so of the first.
+  // Removes the file unless it was finished. A signal that ends the process, except SIGKILL, also removes it;
+  // with several files at once, only the first.
   ~PendingOutput();
 
-  // Writes all of it, to the disk too, and gives it its name. Throws std::system_error.
+  // Writes all bytes, syncs them to disk and renames the file to its final name. Throws std::system_error.
   void finish(std::string_view bytes);
-  // The name that it has until then.
+  // The file's name until then.
   const std::string& part() const { return part_; }
 
  private:
@@ -33,7 +33,7 @@ class PendingOutput {
   std::string path_, part_;
   Descriptor file_;
   bool is_whole_ = false, listens_ = false;
-  std::vector<char> stack_;  // for signals of a stack that is full
+  std::vector<char> stack_;  // alternate signal stack, for signals caused by stack overflow
 };
 
 }  // namespace fascicle::base

@@ -30,12 +30,12 @@ using Clock = std::chrono::steady_clock;
   throw std::system_error(error, std::generic_category(), what);
 }
 
-// Everything the child needs, made before fork(): between fork() and exec() nothing may allocate.
+// Everything the child needs, prepared before fork(): between fork() and exec() nothing may allocate.
 struct Launch {
   const char* program;
   char* const* arguments;
   int error_output;  // becomes stderr
-  int report;        // gets errno if exec() fails
+  int report;        // receives errno if exec() fails
   pid_t parent;
   std::optional<rlimit> memory, processor, core;
 };
@@ -52,7 +52,7 @@ bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
   };
   ::setpgid(0, 0);
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) give_up();
-  if (::getppid() != launch.parent) ::_exit(127);  // it died before prctl()
+  if (::getppid() != launch.parent) ::_exit(127);  // the parent died before prctl()
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -71,7 +71,7 @@ bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
   ::_exit(127);
 }
 
-// The pointers that exec() takes; good as long as the words are.
+// Arguments for exec(); valid as long as `words` is.
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -79,12 +79,12 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-// errno of a child that could not become the program, else 0. Waits until it has, or has not.
+// errno of a child that failed to exec, else 0. Waits until it has succeeded or failed.
 int error_of_launch(const Descriptor& report) {
   int error = 0;
   ssize_t reported = 0;
   do {
-    reported = ::read(report.get(), &error, sizeof error);  // ends when exec() closes the child's end
+    reported = ::read(report.get(), &error, sizeof error);  // returns when exec() closes the child's end
   } while (reported < 0 && errno == EINTR);
   return reported == static_cast<ssize_t>(sizeof error) ? error : 0;
 }
@@ -93,18 +93,18 @@ pid_t start(const Launch& launch) {
   const pid_t child = ::fork();
   if (child < 0) throw_error(errno, "fork");
   if (child == 0) start_child(launch);
-  ::setpgid(child, child);  // here too: whichever of the two comes first
+  ::setpgid(child, child);  // in the parent too, because either may run first
   return child;
 }
 
-// A limit of ours, or the one that holds already if that is lower.
+// Our limit, or the current hard limit if that is lower.
 rlimit limit_of(decltype(RLIMIT_AS) resource, rlim_t soft, rlim_t hard) {
   rlimit current{};
   if (::getrlimit(resource, &current) != 0) throw_error(errno, "getrlimit");
   return {std::min(soft, current.rlim_max), std::min(hard, current.rlim_max)};
 }
 
-// Reads what is there. False at the end of the stream.
+// Reads what is available. False at the end of the stream.
 bool read_some(int descriptor, std::string& tail) {
   constexpr std::size_t kept = 4096;
   std::array<char, 4096> buffer;
@@ -115,17 +115,22 @@ bool read_some(int descriptor, std::string& tail) {
   return size > 0;
 }
 
-enum class ChildState { running, ended, reaped };  // reaped by others: its number may be another's by now
+enum class ChildState {
+  running,
+  ended,
+  reaped
+};  // reaped: by other code in this process; its process id
+    // may have been reused
 
 ChildState state_of(pid_t child) {
   siginfo_t info{};
-  // WNOWAIT leaves it a zombie, so that its number, and its group's, stay ours until it is reaped.
+  // WNOWAIT leaves a zombie, so its process id and group id cannot be reused until it is reaped.
   if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
     return errno == ECHILD ? ChildState::reaped : ChildState::running;
   return info.si_pid == child ? ChildState::ended : ChildState::running;
 }
 
-// Processor time that a child has used, s; below 0 where the system does not say.
+// Processor time that a child has used, s; negative if the system does not say.
 double processor_seconds(pid_t child) {
   clockid_t clock{};
   timespec used{};
@@ -133,11 +138,12 @@ double processor_seconds(pid_t child) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
-// Waits for the end of the child, of its time or of the wish for it; `exited` if it ended by itself, in
-// whatever way. Nothing where others reaped it.
+// Waits until the child ends, runs out of time or is cancelled; `exited` if it ended by itself, in any way.
+// Nothing if other code reaped it.
 std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, const ProcessLimits& limits,
                                        std::string& tail) {
-  constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
+  constexpr int slice = 20;  // ms; the end of stderr wakes us at once, so this matters only for a child that
+                             // has closed it
   bool is_open = true;
   double used = 0.0;
   Clock::time_point moved = Clock::now();
@@ -195,7 +201,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
     do {
       reaped = ::waitpid(child, &status, 0);
     } while (reaped < 0 && errno == EINTR);
-    // How one ended that was killed for its time is known all the same.
+    // If we killed it, we still know how it ended.
     if (reaped < 0 && waited == ProcessEnd::exited) waited.reset();
   }
   for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {

@@ -1,4 +1,4 @@
-// What a program does before anything else, whatever it was started with.
+// What a program does first, whatever state it was started in.
 #pragma once
 
 #include <csignal>
@@ -10,16 +10,16 @@
 
 namespace fascicle::base {
 
-// Opens what is closed of standard input, output and error on /dev/null: else the next files that are opened
-// would have their numbers, and messages would go into an output.
+// Opens standard input, output and error on /dev/null if they are closed: otherwise the next files opened
+// would get their numbers, and messages would be written into an output.
 inline void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    // The lowest free number is the stream's. Without /dev/null there is no safe way on, and nobody to tell.
+    // open() returns the lowest free number, which is the stream's. Without /dev/null there is no safe way to
+    // continue, and no way to report it.
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(EXIT_FAILURE);
 }
 
-// A write beyond the limit on the size of files then fails, as on a full disk, in place of ending the
-// program.
+// Makes a write beyond the file size limit fail, as on a full disk, instead of ending the program.
 inline void outlive_the_limit_on_files() {
   std::signal(SIGXFSZ, SIG_IGN);
 }

@@ -19,12 +19,12 @@
 namespace fascicle::base {
 namespace {
 
-// Landlock as the kernel's ABI has it, also where the C library's headers are older than the kernel. The
-// numbers of its calls are the same on every architecture.
+// Landlock as in the kernel's ABI, because the C library's headers may be older than the kernel. Its system
+// call numbers are the same on every architecture.
 constexpr long landlock_create_ruleset = 444, landlock_add_rule = 445, landlock_restrict_self = 446;
 constexpr std::uint32_t ask_version = 1, rule_of_path = 1;
 
-// Kernels before a field take it where it is 0.
+// Kernels older than a field accept the struct if that field is 0.
 struct Ruleset {
   std::uint64_t handled_access_fs;
   std::uint64_t handled_access_net;
@@ -38,12 +38,12 @@ struct [[gnu::packed]] PathRule {
 constexpr std::uint64_t read_file = 1 << 2, remove_file = 1 << 5, make_regular = 1 << 8;
 constexpr std::uint64_t abstract_sockets = 1 << 0, signals = 1 << 1;
 
-// All accesses that an ABI knows; what is handled and not allowed is refused.
+// All accesses that an ABI version knows; accesses that are handled but not allowed are refused.
 std::uint64_t accesses_of(long version) {
   int count = 13;
-  if (version >= 2) count = 14;  // to link and rename across folders
-  if (version >= 3) count = 15;  // to truncate
-  if (version >= 5) count = 16;  // ioctl of devices
+  if (version >= 2) count = 14;  // linking and renaming across folders
+  if (version >= 3) count = 15;  // truncation
+  if (version >= 5) count = 16;  // ioctl on devices
   return (std::uint64_t{1} << count) - 1;
 }
 
@@ -67,17 +67,17 @@ std::string folder_of(const std::string& path) {
 void restrict_files(const std::vector<std::string>& inputs, const std::string& output) {
   const long version = landlock_version();
   if (version < 1) return;
-  // Of signals and sockets what leaves this process's own domain.
+  // Scopes: signals and abstract sockets must not leave this process's domain.
   const Ruleset handled{accesses_of(version), 0, version >= 6 ? abstract_sockets | signals : 0};
   const Descriptor rules(static_cast<int>(::syscall(landlock_create_ruleset, &handled, sizeof handled, 0U)));
   if (rules.get() < 0) return;
   for (const std::string& input : inputs) allow(rules.get(), input, read_file);
-  // To rename takes both of these. What is written is open already.
+  // Renaming needs both of these. The output itself is already open.
   if (!output.empty()) allow(rules.get(), folder_of(output), make_regular | remove_file);
   ::syscall(landlock_restrict_self, rules.get(), 0U);
 }
 
-// Elsewhere calls have other names, and there is no filter.
+// On other architectures system calls have other names, and there is no filter.
 #if defined(__x86_64__) || defined(__aarch64__)
 #if defined(__x86_64__)
 constexpr std::uint32_t architecture = AUDIT_ARCH_X86_64;
@@ -85,7 +85,7 @@ constexpr std::uint32_t architecture = AUDIT_ARCH_X86_64;
 constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 #endif
 
-// What reading, computing, writing and ending need; of some there are two by the architecture.
+// What reading, computing, writing and exiting need; some have two forms, depending on the architecture.
 constexpr long allowed_calls[] = {
     SYS_read,
     SYS_readv,
@@ -136,18 +136,18 @@ constexpr long allowed_calls[] = {
 #endif
 };
 
-// Others of fcntl() have a file signal whom it likes (F_SETOWN, F_SETFL with O_ASYNC).
+// Other fcntl() commands (F_SETOWN, F_SETFL with O_ASYNC) make a file signal arbitrary processes.
 constexpr int allowed_of_fcntl[] = {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL};
 
 constexpr auto of_call = static_cast<std::uint32_t>(offsetof(seccomp_data, nr));
 constexpr auto of_architecture = static_cast<std::uint32_t>(offsetof(seccomp_data, arch));
 
-// The lower half of an argument: both architectures are little-endian.
+// Offset of the lower half of an argument: both architectures are little-endian.
 constexpr std::uint32_t of_argument(std::size_t number) {
   return static_cast<std::uint32_t>(offsetof(seccomp_data, args) + number * sizeof(std::uint64_t));
 }
 
-// The kernel's small programs over the number and the arguments of a call.
+// A BPF program over the number and the arguments of a system call.
 class Filter {
  public:
   Filter() {
@@ -158,7 +158,7 @@ class Filter {
       step(BPF_JMP | BPF_JEQ | BPF_K, number(call), 0, 1);
       answer(SECCOMP_RET_ALLOW);
     }
-    // No memory becomes executable: what an overflow leaves in it is not run.
+    // No memory becomes executable, so code left in memory by an overflow cannot run.
     for (const long call : {SYS_mmap, SYS_mprotect}) {
       step(BPF_JMP | BPF_JEQ | BPF_K, number(call), 0, 4);
       load(of_argument(2));
@@ -224,7 +224,7 @@ bool has_seccomp() {
 }  // namespace
 
 void enter_sandbox(const std::vector<std::string>& inputs, const std::string& output) {
-  // Both of the others ask for it.
+  // Required by both Landlock and seccomp.
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;
   restrict_files(inputs, output);
   restrict_calls();

@@ -30,7 +30,7 @@ std::optional<char32_t> take_code_point(std::string_view& text) {
     is_whole = (byte(k) & 0xc0u) == 0x80;
     code_point = code_point << 6 | (byte(k) & 0x3fu);
   }
-  // Too long forms, halves of pairs of UTF-16, and what lies above the last code point.
+  // Rejects overlong forms, UTF-16 surrogates and values beyond the last code point.
   is_whole = is_whole && !(length == 3 && code_point < 0x800) && !(length == 4 && code_point < 0x10000) &&
              !(code_point >= 0xd800 && code_point < 0xe000) && code_point <= 0x10ffff;
   text.remove_prefix(is_whole ? length : 1);

@@ -1,4 +1,4 @@
-// Numbers as text, the same in every locale; and text from files as a terminal may show it.
+// Numbers as text, independent of the locale; and text from files made safe for a terminal.
 #pragma once
 
 #include <array>
@@ -19,26 +19,27 @@ requires std::is_arithmetic_v<Number> std::string number_text(Number value) {
   return {buffer.data(), end.ptr};
 }
 
-// Two digits after the point: 0.55, 2.6, 12.
+// At most two decimals: 0.55, 2.6, 12.
 std::string short_text(double value);
 
-// A share of 1 with at most two digits after the point: 2.55 %, 12 %; 0 % below 0.005 %.
+// A fraction of 1 as a percentage with at most two decimals: 2.55 %, 12 %; 0 % below 0.005 %.
 std::string percent_text(double share);
 
 // 16 lower-case hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 
-// Takes a code point off the front of UTF-8. Where the bytes there are none, nothing, and one byte goes.
+// Removes a code point from the front of UTF-8 text. If the bytes are not valid UTF-8, returns nothing and
+// removes one byte.
 std::optional<char32_t> take_code_point(std::string_view& text);
 
-// Whether a terminal obeys this code point instead of showing it: controls, and what turns the direction in
-// which text runs, so that it reads otherwise than it is.
+// Whether a terminal acts on this code point instead of showing it: control characters, and those that change
+// the direction of text, so that it reads differently from what it is.
 bool is_obeyed(char32_t code_point);
 
-// Text as a terminal may show it: what it would obey becomes \n, \t, \x1b or \u202e, and so do bytes that are
-// no UTF-8.
+// Text that is safe to show in a terminal: code points it would act on become \n, \t, \x1b or \u202e, and so
+// do bytes that are not UTF-8.
 std::string shown_text(std::string_view text);
-// The same of text of several lines: line ends and tabs stay.
+// The same for text of several lines: line ends and tabs are kept.
 std::string shown_lines(std::string_view text);
 
 }  // namespace fascicle::base

@@ -9,8 +9,8 @@
 namespace fascicle::base {
 namespace {
 
-// A constant cut into pieces whose products with a small whole number are exact, so that subtracting them one
-// after the other loses nothing, however near x is to a multiple of the constant.
+// A constant split into pieces whose products with a small whole number are exact, so that subtracting them
+// one after the other loses nothing, however near x is to a multiple of the constant.
 constexpr double half_pi_1 = 0x1.921fb544p+0;   // 33 bits
 constexpr double half_pi_2 = 0x1.0b4611a6p-34;  // the next 32
 constexpr double half_pi_3 = 0x1.3198a2ep-69;   // the next 30
@@ -55,7 +55,7 @@ double cos_series(double x) {
 }
 
 // Nested like the above: asin x = x (1 + 1/(2 3) x^2 (1 + 9/(4 5) x^2 (...))). For |x| <= 1/2 each term is
-// below a quarter of the one before, and the first left out below 1e-19.
+// below a quarter of the previous one, and the first term left out is below 1e-19.
 double asin_series(double x) {
   const double square = x * x;
   double sum = 1.0;
@@ -104,7 +104,7 @@ double exact_acos(double x) {
   if (x != x) throw std::domain_error("the arc cosine of what is not a number");
   if (x >= 1.0) return 0.0;
   if (x <= -1.0) return 2.0 * half_pi;
-  // Near +-1 the angle is small beside 1 - |x|: the half angle's sine keeps its digits, 1 - x is exact there.
+  // Near +-1, pi/2 - asin x would cancel. The half angle's sine keeps its digits, and 1 - |x| is exact there.
   if (x > 0.5) return 2.0 * asin_series(std::sqrt((1.0 - x) * 0.5));
   if (x < -0.5) return 2.0 * (half_pi - (asin_series(std::sqrt((1.0 + x) * 0.5)) - half_pi_rest));
   return half_pi - (asin_series(x) - half_pi_rest);
@@ -119,7 +119,7 @@ double exact_exp(double x) {
   // |rest| <= ln2 / 2: the first term left out is below 1e-18.
   double sum = 1.0;
   for (int k = 14; k >= 1; --k) sum = 1.0 + rest / static_cast<double>(k) * sum;
-  // In two steps: 2^n alone may be too large or too small for a normal number where the result is not.
+  // In two steps: 2^n alone may be out of range for a normal number when the result is not.
   const int exponent = static_cast<int>(n);
   const int half = exponent / 2;
   return sum * power_of_two(half) * power_of_two(exponent - half);

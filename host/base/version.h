@@ -5,11 +5,11 @@
 
 namespace fascicle::base {
 
-// Of the program; the number in the root CMakeLists.txt.
+// Of the program; the version in the root CMakeLists.txt.
 inline constexpr const char* fascicle_version = FASCICLE_VERSION;
 
-// Raised whenever a scene gets another model (its hash) or the solvers other bits for it: two bakes compare
-// only within one number.
+// Incremented whenever a scene gets a different model (its hash) or solvers compute different bits for it.
+// Two bakes are comparable only within one version.
 inline constexpr std::uint32_t solver_version = 17;
 
 }  // namespace fascicle::base
