@@ -13,8 +13,8 @@ namespace fascicle::render {
 
 namespace {
 
-// A letter is drawn from dots in seven rows of five (the highest bit is the left one); neighbouring dots are
-// joined by strokes, so that letters are round at any size.
+// A letter is a grid of seven rows of five dots (the highest bit is the leftmost); strokes join neighbouring
+// dots, so that letters are round at any size.
 constexpr int glyph_rows = 7, glyph_columns = 5, glyph_advance = 6;
 
 struct Glyph {
@@ -67,7 +67,7 @@ std::vector<Stroke> strokes_of(char letter) {
         strokes.push_back({fx, fy, fx, fy});
         if (lit(x + 1, y)) strokes.push_back({fx, fy, fx + 1, fy});
         if (lit(x, y + 1)) strokes.push_back({fx, fy, fx, fy + 1});
-        // Slanting only where no corner joins the two already.
+        // Diagonal strokes only where no corner already joins the two dots.
         if (lit(x + 1, y + 1) && !lit(x + 1, y) && !lit(x, y + 1))
           strokes.push_back({fx, fy, fx + 1, fy + 1});
         if (lit(x - 1, y + 1) && !lit(x - 1, y) && !lit(x, y + 1))
@@ -102,7 +102,7 @@ unsigned text_width(unsigned height, const std::string& text) {
 void draw_text(Image& image, unsigned x0, unsigned y0, unsigned height, const std::string& text,
                const Vector3f& ink) {
   const float dot = static_cast<float>(height) / glyph_rows;
-  constexpr float half_width = 0.42f;  // of a stroke, in dots
+  constexpr float half_width = 0.42f;  // half the width of a stroke, in dots
   for (std::size_t k = 0; k < text.size(); ++k) {
     const std::vector<Stroke> strokes = strokes_of(text[k]);
     if (strokes.empty()) continue;
@@ -157,7 +157,7 @@ void draw_legend(Image& image, const Legend& legend) {
 Image row_of(std::span<const Image> images, std::span<const std::string> words) {
   if (images.empty()) return {};
   const unsigned text = std::max(9u, images[0].height / 32), strip = 2 * text;
-  unsigned width = 0, height = text;  // one height for all words
+  unsigned width = 0, height = text;  // one text height for all captions
   for (std::size_t k = 0; k < images.size(); ++k) {
     width += images[k].width;
     while (height > 5 && text_width(height, words[k]) + text > images[k].width) --height;

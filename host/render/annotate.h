@@ -1,4 +1,4 @@
-// Words on pictures, and several pictures on one sheet.
+// Text on pictures, and several pictures on one sheet.
 #pragma once
 
 #include <span>
@@ -9,14 +9,13 @@
 
 namespace fascicle::render {
 
-// Draws in capitals; what has no letter here becomes a space. (x, y) is the upper left corner, `height` that
-// of the letters, in pixels.
+// Draws in capitals; characters without a glyph become spaces. (x, y) is the upper left corner, `height` the
+// height of the letters, in pixels.
 void draw_text(Image& image, unsigned x, unsigned y, unsigned height, const std::string& text,
                const Vector3f& ink);
 unsigned text_width(unsigned height, const std::string& text);
 
-// What the colours mean: swatches with their names, or, if `is_scale`, one bar from the first name to the
-// last.
+// What the colours mean: named swatches or, if `is_scale`, one bar from the first name to the last.
 struct Legend {
   struct Entry {
     std::string name;
@@ -26,14 +25,14 @@ struct Legend {
   bool is_scale = false;
 };
 
-// In the lower left corner. Nothing where the picture is too small for it.
+// In the lower left corner. Draws nothing if the picture is too small for it.
 void draw_legend(Image& image, const Legend& legend);
 
-// Pictures of one height from left to right, under a strip of paper with a line of words over each. Words
+// Pictures of equal height from left to right, each under a strip of paper colour with a line of text. Lines
 // that are too long are drawn smaller.
 Image row_of(std::span<const Image> images, std::span<const std::string> words);
 
-// Row by row, `columns` a row, all of one size; the rest of the last row stays paper.
+// Row by row, `columns` per row, all of one size; the rest of the last row stays blank paper.
 Image sheet_of(std::span<const Image> images, unsigned columns);
 
 }  // namespace fascicle::render

@@ -29,7 +29,7 @@ Vector3d rest_of(const Model& model, std::uint32_t i) {
   return Vector3d(origin[0], origin[1], origin[2]) + model.unit * at(model.rest, i).cast<double>();
 }
 
-// Of what has no meaning of its own.
+// For surfaces whose colour carries no information.
 Vector3f paper_tone() {
   return colour(0xd2d0cc);
 }
@@ -151,7 +151,7 @@ Vector3f BodyDrawing::vertex_colour(std::uint32_t vertex, std::span<const float>
   return skin_tone();
 }
 
-// The looks' colours in place of the skin's.
+// The colours of the looks instead of the skin's.
 void BodyDrawing::paint(Shape& shape) const {
   const Looks& looks = *options_.looks;
   shape.finish = Finish::painted;
@@ -225,7 +225,7 @@ Shape BodyDrawing::fibre_lines(std::span<const float> positions, const Vector3f&
               half_width = 0.045f * static_cast<float>(edge_);
   for (std::size_t k = 0; k < fibre_vertices_.size(); ++k) {
     const std::uint32_t i = fibre_vertices_[k];
-    // The line as the flesh carries it: the mean deformation of the tetrahedra around.
+    // The fibre as the flesh carries it: the mean deformation of the tetrahedra around it.
     const Vector3f rest = at(model_.fibre, i);
     Vector3f direction = Vector3f::Zero();
     for (const std::uint32_t t : fibre_tetrahedra_[k]) {
@@ -252,8 +252,8 @@ Shape BodyDrawing::fibre_lines(std::span<const float> positions, const Vector3f&
   return shape;
 }
 
-// Flesh in flesh is hidden in the body. Its vertices are marked as if seen through what lies before them:
-// brought near to the eye, and made smaller by as much.
+// Flesh inside flesh is hidden in the body. Its vertices are marked as if seen through what covers them:
+// moved close to the eye and scaled down accordingly.
 Shape BodyDrawing::contact_marks(std::span<const float> positions, std::span<const float> depths,
                                  const Vector3f& eye) const {
   constexpr std::uint32_t corners = 8;

@@ -1,4 +1,4 @@
-// From a model and where its vertices are to what is drawn.
+// From a model and its vertex positions to shapes to draw.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,36 @@
 
 namespace fascicle::render {
 
-// shaded: skin; layers: a colour for each layer; fibres: short lines along d_r; lag: distance to the skinned
-// pose; contact: how deep flesh lies in other flesh.
+// shaded: skin; layers: a colour per layer; fibres: short lines along d_r; lag: distance to the skinned pose;
+// contact: how deep flesh lies in other flesh.
 enum class Mode { shaded, layers, fibres, lag, contact };
 
 struct DrawingOptions {
   Mode mode = Mode::shaded;
-  bool tetrahedra = false;  // instead of the render mesh; fibres and a clip draw them in any case
+  bool tetrahedra = false;  // instead of the render mesh; fibres and a clip always draw them
   std::optional<Clip> clip;
-  double lag_scale = 0.0;  // m, of lag or depth, that take the scale's last colour
-  // Of the render mesh, for Mode::shaded without tetrahedra; none: skin. Must outlive the drawing.
+  double lag_scale = 0.0;  // m; the lag or depth that gets the last colour of the scale
+  // For the render mesh in Mode::shaded without tetrahedra; none: skin. Must outlive the drawing.
   const Looks* looks = nullptr;
 };
 
-// Everything about a drawing that stays from frame to frame. The model must outlive it.
+// Everything about a drawing that does not change from frame to frame. The model must outlive it.
 class BodyDrawing {
  public:
-  // Throws std::invalid_argument, for people to read, where nothing is left to draw.
+  // Throws std::invalid_argument, with a message for users, if nothing is left to draw.
   BodyDrawing(const model::Model& model, const DrawingOptions& options);
 
-  // `positions`: of the model's vertices, 3 a vertex, m. `lag`: m, one a vertex, for Mode::lag, and
-  // for Mode::contact the depth, below 0 where there is none. `eye`: the camera's place; fibres and marks are
-  // laid out to face it. `placed`: of the render mesh's vertices, 3 a vertex,
-  // m, where it is not to stand as the model's vertices carry it.
+  // `positions`: of the model's vertices, 3 per vertex, m. `lag`: m, one per vertex, for Mode::lag; for
+  // Mode::contact the depth, negative where there is none. `eye`: the camera's position; fibres and marks
+  // face it. `placed`: of the render mesh's vertices, 3 per vertex, m, if they do not follow the model's
+  // vertices.
   std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag, const Vector3f& eye,
                             std::span<const float> placed = {}) const;
 
   // What the colours mean; empty for Mode::shaded.
   Legend legend() const;
   bool draws_tetrahedra() const { return draws_tetrahedra_; }
-  // Whether a fibre runs through any vertex that is drawn.
+  // Whether any drawn vertex has a fibre.
   bool shows_fibres() const;
 
  private:
@@ -64,9 +64,9 @@ class BodyDrawing {
   std::vector<OuterFace> faces_;  // of the tetrahedra that are kept
   CreasedSurface creased_;
   std::vector<std::uint32_t> surface_layer_;
-  std::vector<std::uint32_t> fibre_vertices_;                 // on the faces, with a fibre
-  std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of them
-  double edge_ = 0.0;                                         // mean length of the faces' sides at rest, m
+  std::vector<std::uint32_t> fibre_vertices_;                 // vertices on the faces that have a fibre
+  std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of those vertices
+  double edge_ = 0.0;                                         // mean edge length of the faces at rest, m
 };
 
 }  // namespace fascicle::render

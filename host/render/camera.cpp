@@ -10,9 +10,10 @@ namespace fascicle::render {
 
 namespace {
 
-// Of half the picture's height: a long lens (about 85 mm on 35 mm film) keeps a body's proportions.
+// Tangent of half the vertical angle of view: a long lens (about 85 mm on 35 mm film) keeps a body's
+// proportions.
 constexpr double half_height_tangent = 0.22;
-// What a fitted picture leaves free on every side, of its half width or height.
+// What a fitted picture leaves free on each side, as a fraction of its half width or height.
 constexpr double margin = 0.10;
 
 }  // namespace

@@ -18,7 +18,7 @@ struct View {
   double elevation = 0.0;
 };
 
-// A pinhole. In camera axes x is right, y up, and what is seen lies at negative z.
+// A pinhole camera. In camera axes x is right, y up, and visible points have negative z.
 struct Camera {
   Vector3d eye = Vector3d::Zero();       // m
   Matrix3d axes = Matrix3d::Identity();  // rows: right, up, backward
@@ -27,27 +27,27 @@ struct Camera {
 
   // Pixels from the left and top edge, then the distance in front of the camera (m).
   Vector3d project(const Vector3d& world) const;
-  // Direction (not unit) through a place of the picture.
+  // Direction (not unit length) through a point of the picture.
   Vector3d ray(double x, double y) const;
 };
 
 Matrix3d camera_axes(const View& view);
 
-// The camera of a view that holds every point it was shown, as close as its margin allows. Exact for a
-// perspective picture: each side of the frame is a plane through the eye, and the four planes are moved out
-// to the points.
+// Fits the camera of a view around all points it was given, as closely as its margin allows. Exact in
+// perspective: each side of the frame is a plane through the eye, and the four planes are moved out to the
+// points.
 class CameraFit {
  public:
   CameraFit(const View& view, unsigned width, unsigned height);
   void include(const Vector3d& point);
-  // Needs a point. `zoom` 2 shows the middle half of the picture.
+  // Needs at least one point. `zoom` 2 shows the middle half of the picture.
   Camera camera(double zoom = 1.0) const;
 
  private:
   Matrix3d axes_;
   unsigned width_, height_;
   double tan_x_, tan_y_;  // of half the angle of view, less the margin
-  // Of x + tan z and x - tan z over all points, and likewise for y; and the nearest point's z.
+  // Extremes of x + tan z and x - tan z over all points, and likewise for y; and the nearest point's z.
   double right_, left_, top_, bottom_, nearest_;
 };
 

@@ -42,7 +42,7 @@ Vector3f skin_tone() {
 }
 
 Vector3f scale_colour(float value) {
-  // Stops picked by eye along one line of rising lightness.
+  // Stops chosen by eye along a line of rising lightness.
   static const std::array<Vector3f, 6> stops{colour(0x3b1054), colour(0x3f4788), colour(0x2d718e),
                                              colour(0x1f9c88), colour(0x6cc35a), colour(0xf9e52a)};
   const float place = std::clamp(value, 0.0f, 1.0f) * static_cast<float>(stops.size() - 1);
@@ -54,7 +54,7 @@ Vector3f scale_colour(float value) {
 Vector3f direction_colour(const Vector3f& direction) {
   const float length = direction.norm();
   if (length == 0.0f) return Vector3f::Zero();
-  // Squares add to one: every direction is equally bright, and the axes are pure.
+  // The squares sum to one: every direction is equally bright, and the axes get pure colours.
   const Vector3f share = (direction / length).cwiseAbs2();
   return share.x() * colour(0xd8342c) + share.y() * colour(0x2f9e41) + share.z() * colour(0x2b62d9);
 }

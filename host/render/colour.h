@@ -1,4 +1,4 @@
-// Colours in linear light, and their way to bytes.
+// Colours in linear light, and their conversion to bytes.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,20 @@ float srgb_of_linear(float linear);
 float linear_of_srgb(float encoded);
 std::uint8_t byte_of_linear(float linear);
 
-// 0xrrggbb as in a style sheet.
+// 0xrrggbb, as in a style sheet.
 Vector3f colour(std::uint32_t hex);
 
-// Of a layer: bone, muscle, fat and skin have their own, others the next of a row of eight by their number.
+// Bone, muscle, fat and skin have fixed colours; other layers take theirs from a cycle of eight by number.
 Vector3f layer_colour(const std::string& name, std::size_t number);
 
-// Of what says nothing of its colour.
+// For surfaces without a colour of their own.
 Vector3f skin_tone();
 
-// Dark violet at 0 over green to yellow at 1, evenly brighter all the way, so that it reads the same in grey.
+// Dark violet at 0 through green to yellow at 1, with evenly rising lightness, so that it also reads
+// correctly in grey.
 Vector3f scale_colour(float value);
 
-// A line's direction: red along x, green along y, blue along z; the same both ways.
+// For the direction of a line: red along x, green along y, blue along z; the sign does not matter.
 Vector3f direction_colour(const Vector3f& direction);
 
 }  // namespace fascicle::render

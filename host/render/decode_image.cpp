@@ -47,9 +47,9 @@ DecodedImage decode_png(std::span<const unsigned char> bytes) {
   return image;
 }
 
-// libjpeg leaves by longjmp: between setjmp and it stands nothing that needs a destructor.
+// libjpeg reports errors by longjmp: between setjmp and the call nothing may need a destructor.
 struct JpegErrors {
-  jpeg_error_mgr manager;  // first, so that a pointer to it is one to this
+  jpeg_error_mgr manager;  // first, so that a pointer to it is also a pointer to this struct
   std::jmp_buf leave;
   bool has_many_scans;
 };
@@ -58,7 +58,8 @@ struct JpegErrors {
   std::longjmp(reinterpret_cast<JpegErrors*>(jpeg->err)->leave, 1);
 }
 
-// More scans than a file means to have are a way to keep a reader busy; each goes over the whole picture.
+// Decoding goes over the whole picture once per scan, so a file with very many scans could keep a reader busy
+// for long.
 constexpr std::size_t most_scans = 500, most_scanned_texels = 64 * most_texels;
 
 void watch_scans(j_common_ptr jpeg) {
@@ -78,7 +79,7 @@ struct JpegReader {
   std::array<char, JMSG_LENGTH_MAX> message{};
 };
 
-// Into `rgba`, 4 a texel, which is laid out between the two steps. False where it fails.
+// Decodes into `rgba`, 4 bytes a texel, which the caller allocates between the two steps. False on failure.
 bool open_jpeg(JpegReader& reader, std::span<const unsigned char> bytes) {
   reader.jpeg.err = jpeg_std_error(&reader.errors.manager);
   reader.errors.manager.error_exit = leave_jpeg;
@@ -91,7 +92,7 @@ bool open_jpeg(JpegReader& reader, std::span<const unsigned char> bytes) {
   reader.jpeg.progress = &reader.progress;
   jpeg_mem_src(&reader.jpeg, bytes.data(), bytes.size());
   jpeg_read_header(&reader.jpeg, TRUE);
-  reader.jpeg.out_color_space = JCS_EXT_RGBA;  // alpha is 255
+  reader.jpeg.out_color_space = JCS_EXT_RGBA;  // alpha is set to 255
   return true;
 }
 

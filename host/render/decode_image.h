@@ -1,4 +1,4 @@
-// Pictures of strangers: PNG by libpng, JPEG by libjpeg, bounded before memory is taken.
+// Untrusted pictures: PNG by libpng, JPEG by libjpeg, with sizes checked before memory is allocated.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@ namespace fascicle::render {
 inline constexpr std::size_t most_texels = std::size_t{1} << 25;
 
 struct DecodedImage {
-  Texels texels;     // empty where nothing could be read
-  std::string flaw;  // for people: why it could not be read, or what is wrong with it; empty: nothing
+  Texels texels;     // empty if nothing could be read
+  std::string flaw;  // for users: why it could not be read, or what is wrong with it; empty if nothing is
 };
 
-// Told apart by their first bytes. Never throws but std::bad_alloc.
+// Detects the format by the first bytes. Throws only std::bad_alloc.
 DecodedImage decode_image(std::span<const unsigned char> bytes);
 
 }  // namespace fascicle::render

@@ -12,12 +12,12 @@
 namespace fascicle::render {
 namespace {
 
-// libjpeg leaves by longjmp: between setjmp and it stands nothing that needs a destructor.
+// libjpeg reports errors by longjmp: between setjmp and the call nothing may need a destructor.
 struct JpegWriter {
-  jpeg_error_mgr errors{};  // first, so that a pointer to it is one to this
+  jpeg_error_mgr errors{};  // first, so that a pointer to it is also a pointer to this struct
   std::jmp_buf leave{};
   jpeg_compress_struct jpeg{};
-  unsigned char* bytes = nullptr;  // by malloc
+  unsigned char* bytes = nullptr;  // allocated by malloc
   unsigned long size = 0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace fascicle::render {
 
-// A texture without its alpha. `quality`: 1 to 100, as libjpeg has it. Throws std::runtime_error.
+// Encodes a texture without its alpha. `quality`: 1 to 100, as in libjpeg. Throws std::runtime_error.
 std::string encode_jpeg(const Texels& texels, int quality);
 
 }  // namespace fascicle::render

@@ -26,7 +26,8 @@ Vector3f any_perpendicular(const Vector3f& v) {
   return v.cross(std::fabs(v.y()) < 0.9f ? Vector3f::UnitY() : Vector3f::UnitX()).normalized();
 }
 
-// `count` directions evenly over the cap of `angle` degrees round `axis`, by area, on a sunflower's spiral.
+// `count` directions spread evenly by area over the cap of `angle` degrees around `axis`, on a sunflower
+// spiral.
 std::vector<Vector3f> cap_directions(const Vector3f& axis, double angle, unsigned count) {
   const Vector3f u = any_perpendicular(axis), v = axis.cross(u);
   const double lowest = std::cos(angle * std::numbers::pi / 180.0);
@@ -41,7 +42,7 @@ std::vector<Vector3f> cap_directions(const Vector3f& axis, double angle, unsigne
   return directions;
 }
 
-// right, up, towards the camera; only the camera's turn counts, not its elevation.
+// right, up, towards the camera; only the camera's azimuth counts, not its elevation.
 std::vector<LampPlan> plan_lamps(const Camera& camera) {
   Vector3f front = camera.axes.row(2).cast<float>();
   front.y() = 0.0f;
@@ -56,7 +57,7 @@ std::vector<LampPlan> plan_lamps(const Camera& camera) {
   add(-0.75f * right + 0.95f * up + 0.75f * front, 9.0, 16, Vector3f::Constant(0.66f), true, 1024);
   add(0.95f * right + 0.25f * up + 0.55f * front, 16.0, 6, Vector3f::Constant(0.15f), false, 512);
   add(0.55f * right + 0.55f * up - 0.85f * front, 8.0, 6, Vector3f::Constant(0.30f), true, 512);
-  for (const Vector3f& towards : cap_directions(up, 72.0, 64))  // lower lamps throw long streaks
+  for (const Vector3f& towards : cap_directions(up, 72.0, 64))  // lower lamps cast long streaks
     plan.push_back({towards, Vector3f::Constant(0.42f / (64.0f * 0.65f)), false, 384});
   return plan;
 }
@@ -89,7 +90,7 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
     for (const auto& t : shape.triangles) {
       if (!place[t[0]] || !place[t[1]] || !place[t[2]]) continue;
       const std::array<GridPoint, 3> corners{*place[t[0]], *place[t[1]], *place[t[2]]};
-      // Texel k's centre is at k + 1/2. Most triangles are smaller than a texel and hold no centre.
+      // The centre of texel k is at k + 1/2. Most triangles are smaller than a texel and contain no centre.
       const auto [x0, x1] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
       const auto [y0, y1] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
       const std::int64_t last = size_ - 1;
@@ -118,7 +119,8 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
 }
 
 float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
-  // Lifted by a texel and a half, plus what a texel's width rises on a slope: else a surface shades itself.
+  // Offset by a texel and a half, plus the rise of a slope over a texel's width; otherwise a surface would
+  // shadow itself.
   const Vector3f d = point + normal * (1.5f * texel_) - center_;
   const float height = d.dot(towards_) + 1.0f * texel_;
   const float half = 0.5f * static_cast<float>(size_);
@@ -137,13 +139,13 @@ std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& came
     if (shape.casts_shadow)
       for (const Vector3f& p : shape.positions) box.extend(p);
   const Vector3f center = box.isEmpty() ? Vector3f(Vector3f::Zero()) : Vector3f(box.center());
-  // The farthest point counts, not the box's corner: texels are for what is there.
+  // Uses the farthest point, not the box's corner, so that no texels are wasted.
   float radius = 0.0f;
   for (const Shape& shape : shapes)
     if (shape.casts_shadow)
       for (const Vector3f& p : shape.positions) radius = std::max(radius, (p - center).norm());
   const std::vector<LampPlan> plan = plan_lamps(camera);
-  // A small picture shows no more of a shadow than it has pixels.
+  // A shadow needs no more resolution than the picture.
   const double share = std::clamp(camera.height / 960.0, 0.25, 1.5);
   std::vector<std::optional<ShadowMap>> maps(plan.size());
   base::for_each_in_parallel(plan.size(), base::thread_count(threads), [&](std::size_t k, std::size_t) {

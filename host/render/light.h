@@ -1,5 +1,5 @@
-// Studio light: every source is a handful of far lamps, each with a shadow map of its own, so that shadows
-// are soft the way those of a wide source are.
+// Studio light: every source is a handful of distant lamps, each with a shadow map, which gives the soft
+// shadows of a wide source.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace fascicle::render {
 
-// Depth as seen along a direction, on a square that holds the shapes.
+// Depth along a direction, on a square that covers the shapes.
 class ShadowMap {
  public:
   // `towards` points from the scene to the lamp, unit.
   ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, const Vector3f& center, float radius,
             unsigned size);
 
-  // Share of the lamp's light that reaches a point, 0 to 1, smoothed between texels. `normal` (unit) lifts
-  // the point off the surface it lies on.
+  // Fraction of the lamp's light that reaches a point, 0 to 1, interpolated between texels. `normal` (unit)
+  // offsets the point from the surface it is on.
   float visibility(const Vector3f& point, const Vector3f& normal) const;
 
  private:
@@ -29,9 +29,9 @@ class ShadowMap {
   }
 
   Vector3f right_, up_, towards_, center_;
-  float scale_ = 1.0f, texel_ = 1.0f;  // texels a metre, metres a texel
+  float scale_ = 1.0f, texel_ = 1.0f;  // texels per metre, metres per texel
   int size_ = 1;
-  std::vector<float> height_;  // towards the lamp, of what is nearest to it
+  std::vector<float> height_;  // height towards the lamp of the surface nearest to it
 };
 
 struct Lamp {
@@ -41,13 +41,13 @@ struct Lamp {
   ShadowMap shadow;
 };
 
-// Key from the upper left of the camera, weak fill from the right, rim from behind, and a dome for soft
-// ambient shadow where surfaces meet. Turns with the camera.
+// Key light from the upper left of the camera, weak fill from the right, rim light from behind, and a dome
+// for soft ambient shadow where surfaces meet. Turns with the camera.
 std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& camera, unsigned threads);
 
-// Light on a plain white surface facing `normal` at `point`.
+// Irradiance of a plain white surface facing `normal` at `point`.
 Vector3f irradiance(std::span<const Lamp> lamps, const Vector3f& point, const Vector3f& normal);
-// The same without anything in the way.
+// The same without occlusion.
 Vector3f free_irradiance(std::span<const Lamp> lamps, const Vector3f& normal);
 
 }  // namespace fascicle::render

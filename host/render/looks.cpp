@@ -18,7 +18,7 @@ std::array<std::uint16_t, 256> linear_bytes() {
   return table;
 }
 
-// The texel that stands at `place`, which may lie outside of 0 to count - 1.
+// The index of the texel at `place`, which may be outside 0 to count - 1.
 unsigned wrapped(std::int64_t place, unsigned count, Wrap wrap) {
   const auto n = static_cast<std::int64_t>(count);
   switch (wrap) {
@@ -41,7 +41,7 @@ struct Neighbours {
 };
 
 Neighbours neighbours(float coordinate, unsigned count, Wrap wrap) {
-  // Beyond this there is no fraction of a texel left, and what is no number is nowhere.
+  // Beyond this a float has no fraction of a texel left; NaN is outside too.
   constexpr float farthest = 1e6f;
   const float inside = std::isfinite(coordinate) ? std::clamp(coordinate, -farthest, farthest) : 0.0f;
   const double place = static_cast<double>(inside) * count - 0.5;
@@ -68,7 +68,8 @@ Texture::Texture(const Texels& texels, Wrap across, Wrap down, unsigned most) : 
   while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
 }
 
-// The mean of two by two; of an odd row or column the last is left out, unless it is the only one.
+// The mean of each two by two texels. The last row or column of an odd number is dropped, unless it is the
+// only one.
 Texture::Level Texture::half_of(const Level& level) {
   Level half{std::max(1u, level.width / 2), std::max(1u, level.height / 2), {}};
   half.values.reserve(std::size_t{4} * half.width * half.height);

@@ -33,10 +33,10 @@ bool is_kept(const Model& model, std::size_t tetrahedron, const std::optional<Cl
   return false;
 }
 
-// The four sides of a tetrahedron of positive volume, corners turning left seen from outside.
+// The four faces of a tetrahedron of positive volume, corners counter-clockwise seen from outside.
 constexpr std::array<std::array<std::size_t, 3>, 4> sides{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-// The layer that most of `layers` are; of equals the lowest.
+// The most frequent of `layers`; in a tie, the lowest.
 std::uint32_t most_frequent(std::array<std::uint32_t, 4> layers) {
   std::sort(layers.begin(), layers.end());
   std::uint32_t best = layers[0];
@@ -57,7 +57,7 @@ Vector3f surface_rest(const Model& model, std::uint32_t s) {
   return place;
 }
 
-// Vertices of a seam have one place and several numbers; their normals must agree, or the seam shows.
+// Vertices along a seam share a place but not a number; their normals must agree, or the seam shows.
 std::vector<std::uint32_t> first_at_same_place(const Model& model) {
   std::map<std::array<float, 3>, std::uint32_t> first;
   std::vector<std::uint32_t> result;
@@ -68,7 +68,7 @@ std::vector<std::uint32_t> first_at_same_place(const Model& model) {
   return result;
 }
 
-// A side where the rest shape bends by more than this is an edge of the shape, as a box's are.
+// An edge where the rest shape bends by more than this is a sharp edge, like those of a box.
 constexpr float crease_cosine = 0.64f;  // 50 degrees
 
 }  // namespace
@@ -84,7 +84,7 @@ CreasedSurface creased_surface(const Model& model) {
                           .cross(surface_rest(model, corners[t + 2]) - a)
                           .normalized());
   }
-  // Corners of triangles are joined across every side that is not a crease; what is joined has one normal.
+  // Joins corners of triangles across every edge that is not a crease; joined corners share a normal.
   std::vector<std::uint32_t> parent(corners.size());
   for (std::uint32_t k = 0; k < parent.size(); ++k) parent[k] = k;
   const auto root = [&parent](std::uint32_t k) {
@@ -93,7 +93,7 @@ CreasedSurface creased_surface(const Model& model) {
   };
   struct Side {
     std::array<std::uint32_t, 2> places;
-    std::array<std::uint32_t, 2> corners;  // at the lower place, at the higher
+    std::array<std::uint32_t, 2> corners;  // at the lower-numbered place, at the higher-numbered
   };
   std::vector<Side> all;
   for (std::uint32_t k = 0; k < corners.size(); ++k) {
@@ -129,7 +129,7 @@ CreasedSurface creased_surface(const Model& model) {
 
 std::vector<OuterFace> outer_faces(const Model& model, const std::optional<Clip>& clip) {
   std::vector<OuterFace> faces;
-  // A side that two kept tetrahedra share is inside.
+  // A face shared by two kept tetrahedra is inside.
   struct Side {
     std::array<std::uint32_t, 3> key;
     OuterFace face;

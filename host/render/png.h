@@ -8,9 +8,9 @@
 
 namespace fascicle::render {
 
-// The image as a PNG file's bytes: 8 bits a channel, marked as sRGB. Throws std::runtime_error.
+// The image as the bytes of a PNG file: 8 bits a channel, tagged as sRGB. Throws std::runtime_error.
 std::string encode_png(const Image& image);
-// The same of a texture, with its alpha.
+// The same for a texture, with its alpha.
 std::string encode_png(const Texels& texels);
 
 }  // namespace fascicle::render

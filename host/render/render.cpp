@@ -1,6 +1,6 @@
-// Bands of pixel rows are drawn one by one, each with sixteen samples a pixel: first every sample finds its
-// nearest triangle, then each triangle that shows in a pixel is shaded once, in the middle of its samples. A
-// band's result depends on nothing but the shapes, so threads take bands as they come.
+// Bands of pixel rows are drawn one by one, with sixteen samples a pixel: first every sample finds its
+// nearest triangle, then each triangle visible in a pixel is shaded once, in the middle of its samples. A
+// band's result depends only on the shapes, so threads take bands in any order.
 #include "host/render/render.h"
 
 #include <algorithm>
@@ -19,10 +19,10 @@ namespace {
 
 constexpr unsigned band_rows = 8;
 
-// Places of a pixel's samples, from its corner.
+// Positions of a pixel's samples, from its corner.
 constexpr std::array<GridPoint, 1> center_point{{{grid / 2, grid / 2}}};
-// One in each of 16 columns, 16 rows and 4 x 4 squares: an upright or level side has as many steps as a
-// slanted one.
+// One in each of 16 columns, 16 rows and 4 x 4 squares: vertical and horizontal edges get as many steps as
+// slanted ones.
 constexpr std::array<GridPoint, 16> spread_points = [] {
   std::array<GridPoint, 16> points{};
   for (std::int64_t a = 0; a < 4; ++a)
@@ -39,13 +39,13 @@ struct Corner {
 // A triangle as the camera sees it.
 struct Facet {
   std::array<Corner, 3> corners;
-  std::uint32_t shape = 0, triangle = 0;  // number within the shape
+  std::uint32_t shape = 0, triangle = 0;  // index of the shape, index of the triangle in it
 };
 
 struct Facets {
   std::span<const Shape> shapes;
   std::vector<Facet> facets;          // in the order of shapes and triangles
-  std::vector<std::uint32_t> number;  // of each facet among all triangles of all shapes
+  std::vector<std::uint32_t> number;  // index of each facet among all triangles of all shapes
   std::vector<std::vector<std::uint32_t>> of_band;
 };
 
@@ -86,9 +86,9 @@ std::array<GridPoint, 3> places_of(const Facet& facet) {
   return {facet.corners[0].place, facet.corners[1].place, facet.corners[2].place};
 }
 
-// Barycentric coordinates in space, not on the picture.
+// Barycentric coordinates in space, not in the picture.
 Vector3f weights_at(const Facet& facet, const Edges& edges, const GridPoint& at) {
-  // value / area times 1/distance, over their sum: the perspective undone.
+  // value / area times 1/distance, divided by their sum: undoes the perspective.
   Vector3f weights;
   for (std::size_t k = 0; k < 3; ++k)
     weights[static_cast<int>(k)] =
@@ -96,7 +96,7 @@ Vector3f weights_at(const Facet& facet, const Edges& edges, const GridPoint& at)
   return weights / weights.sum();
 }
 
-// What covers a triangle: red, green, blue in linear light, and alpha.
+// The surface of a triangle: red, green, blue in linear light, and alpha.
 class Cover {
  public:
   Cover(const Shape& shape, std::uint32_t triangle, const Edges& edges)
@@ -190,7 +190,7 @@ class Band {
                 (static_cast<float>(e[0]) * a.nearness + static_cast<float>(e[1]) * b.nearness +
                  static_cast<float>(e[2]) * c.nearness) *
                 scale;
-            // Of two at one depth the first drawn stays.
+            // At equal depth the first one drawn wins.
             if (nearness > sample->nearness &&
                 !(has_holes &&
                   cover.is_hole(weights_at(facet, *edges, {x * grid + point.x, y * grid + point.y}))))
@@ -207,14 +207,14 @@ class Band {
   std::vector<Sample> samples_;
 };
 
-// Bright light bends towards white instead of being cut off; below 0.7 it is left as it is.
+// Compresses bright light towards white instead of clipping it; values below 0.7 are unchanged.
 float soft_limit(float x) {
   constexpr float knee = 0.7f;
   return x < knee ? x : knee + (1.0f - knee) * (1.0f - std::exp(-(x - knee) / (1.0f - knee)));
 }
 
-// How far light reaches past the terminator, as a cosine: what enters skin wanders before it leaves, red the
-// farthest.
+// How far light reaches past the terminator, as a cosine: light scatters inside skin before it leaves, red
+// the farthest.
 constexpr std::array<float, 3> skin_reach{0.22f, 0.08f, 0.05f}, paint_reach{0.08f, 0.08f, 0.08f};
 
 class Painter {
@@ -244,7 +244,7 @@ class Painter {
   }
 
  private:
-  // One shading for each facet, and for the backdrop, that the samples show.
+  // Shades each facet, and the backdrop, once if the samples show it.
   Vector3f resolve(std::span<const Sample> samples, unsigned x, unsigned y) const {
     Vector3f sum = Vector3f::Zero();
     std::array<bool, spread_points.size()> done{};
@@ -275,8 +275,8 @@ class Painter {
     const double distance = (*backdrop_.ground - camera_.eye.y()) / ray.y();
     if (!(distance > 0.0) || !std::isfinite(distance)) return paper;
     const Vector3f place = (camera_.eye + distance * ray).cast<float>();
-    // The floor is the backdrop's paper: only shadow tells it, and what walls and body throw back keeps that
-    // from black.
+    // The floor has the backdrop's colour, so only shadow makes it visible; light reflected by walls and body
+    // keeps the shadow from being black.
     constexpr float thrown_back = 0.12f;
     const Vector3f share = irradiance(lamps_, place, Vector3f::UnitY()).cwiseQuotient(free_ground_);
     return paper.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
@@ -302,7 +302,8 @@ class Painter {
     const Vector3f to_eye = (camera_.eye.cast<float>() - position).normalized();
     Vector3f normal = blend(shape.normals).normalized();
     if (normal.dot(to_eye) < 0.0f) {
-      // The inside of an open surface is lit as an outside; a smooth normal that only just turns away is not.
+      // The inside of an open surface is lit like the outside. A smooth normal that only just turns away does
+      // not count as inside.
       const Vector3f across = (shape.positions[corner[1]] - shape.positions[corner[0]])
                                   .cross(shape.positions[corner[2]] - shape.positions[corner[0]]);
       if (across.dot(to_eye) * across.dot(normal) < 0.0f) normal = -normal;
@@ -315,7 +316,7 @@ class Painter {
     return light;
   }
 
-  // What comes back from the floor and the walls, without shadow.
+  // Reflected from the floor and the walls, without shadow.
   static float bounce(const Vector3f& normal) { return 0.16f - 0.06f * normal.y(); }
 
   Vector3f plain(const Vector3f& paint, const Vector3f& position, const Vector3f& normal) const {
@@ -347,7 +348,7 @@ class Painter {
     return light;
   }
 
-  // Darker within half a pixel of a side.
+  // Darker within half a pixel of an edge.
   static float edge_shade(const Edges& edges, const GridPoint& at) {
     float nearest = 1e9f;
     for (std::size_t k = 0; k < 3; ++k) {

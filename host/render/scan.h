@@ -1,5 +1,5 @@
 // Which sample points a triangle covers, exactly: corners are rounded to a grid of 1/256 pixel and all tests
-// are in integers, so that triangles that share a side neither both claim a point on it nor leave it out.
+// use integers, so that triangles that share an edge neither both cover a point on it nor leave a gap.
 #pragma once
 
 #include <array>
@@ -17,31 +17,31 @@ struct GridPoint {
   std::int64_t x = 0, y = 0;  // 1/256 pixel
 };
 
-// Nothing for places so far off that products would not fit, and for what is not a number.
+// Nothing for NaN and for points so far away that products would overflow.
 inline std::optional<GridPoint> to_grid(double x, double y) {
   constexpr double far = 1 << 20;
   if (!(std::fabs(x) < far && std::fabs(y) < far)) return std::nullopt;
   return GridPoint{std::llround(x * grid), std::llround(y * grid)};
 }
 
-// The three edge functions of a triangle. At a point inside each is >= 0, and together they are twice the
-// area: the value of edge k over `area` is the barycentric coordinate of corner k.
+// The three edge functions of a triangle. At a point inside, each is >= 0 and they sum to twice the area: the
+// value of edge k over `area` is the barycentric coordinate of corner k.
 struct Edges {
   std::array<std::int64_t, 3> dx, dy, constant;
   std::array<std::int64_t, 3>
-      least;  // covered where value >= least: a side belongs to one of its two triangles
+      least;  // covered if value >= least: an edge belongs to one of its two triangles
   std::int64_t area = 0;
 
   std::int64_t value(std::size_t k, std::int64_t x, std::int64_t y) const {
     return dx[k] * x + dy[k] * y + constant[k];
   }
-  // Of a point whose values are already at hand.
+  // For a point whose values are already known.
   bool covers(std::int64_t e0, std::int64_t e1, std::int64_t e2) const {
     return e0 >= least[0] && e1 >= least[1] && e2 >= least[2];
   }
 };
 
-// Of either winding. Nothing for a triangle without area.
+// Either winding. Nothing for a degenerate triangle.
 inline std::optional<Edges> edges_of(const std::array<GridPoint, 3>& corners) {
   Edges edges;
   const auto& [a, b, c] = corners;

@@ -1,4 +1,4 @@
-// What is drawn: triangles in metres, Y up, already posed.
+// What is drawn: posed triangles in metres, Y up.
 #pragma once
 
 #include <array>
@@ -10,24 +10,25 @@
 
 namespace fascicle::render {
 
-// How a shape answers to light. skin: softened towards red and with a sheen; plain: its colour times the
-// light's strength, so that a legend's colour is recognised; painted: its own colour, with a sheen; ink: its
-// colour, unlit.
+// How a shape responds to light. skin: softened towards red and with a sheen; plain: its colour times the
+// light's strength, so that it matches a legend; painted: its own colour, with a sheen; ink: its colour,
+// unlit.
 enum class Finish { skin, plain, painted, ink };
 
 struct Shape {
   std::vector<Vector3f> positions;  // m
-  std::vector<Vector3f> normals;    // unit, one a position; ink needs none
-  std::vector<Vector3f> colours;    // linear light, one a position
+  std::vector<Vector3f> normals;    // unit, one per position; ink needs none
+  std::vector<Vector3f> colours;    // linear light, one per position
   std::vector<std::array<std::uint32_t, 3>> triangles;
   Finish finish = Finish::plain;
-  bool blend_colours = true;  // false: each point takes its nearest corner's colour, nothing in between
-  bool draw_edges = false;    // thin dark lines along the triangles' sides
+  bool blend_colours = true;  // false: each point takes the colour of its nearest corner, without
+                              // interpolation
+  bool draw_edges = false;    // thin dark lines along the triangles' edges
   bool casts_shadow = true;
   // With looks, which must outlive the shape: their paints and textures multiply `colours`.
   const Looks* looks = nullptr;
-  std::vector<std::uint32_t> paints;  // one a triangle
-  std::vector<Vector2f> uvs;          // one a position, or none
+  std::vector<std::uint32_t> paints;  // one per triangle
+  std::vector<Vector2f> uvs;          // one per position, or none
 };
 
 }  // namespace fascicle::render

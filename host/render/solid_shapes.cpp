@@ -22,8 +22,8 @@ void append_quad(Shape& shape, std::uint32_t a, std::uint32_t b, std::uint32_t c
   shape.triangles.push_back({a, c, d});
 }
 
-// Directions around the middle: a quarter of a circle between two corners of the box each, so that the box's
-// faces are the strips between quarters.
+// Directions around the middle: a quarter circle between each two corners of the box, so that the box's faces
+// are the strips between quarters.
 struct Direction {
   double angle;
   double sign;  // of the half sizes that are added

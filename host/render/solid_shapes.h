@@ -1,4 +1,4 @@
-// A scene's solids as what is drawn.
+// Shapes that show a scene's solids.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,9 +7,9 @@
 
 namespace fascicle::render {
 
-// A box whose edges are rounded by `radius`, or with `is_plane` a square of side 2 `reach` around the place
-// of the plane y = radius that is nearest to `middle`. `axes` (a rotation) and `center` lead from the solid's
-// own space to the scene, m.
+// A box whose edges are rounded by `radius` or, with `is_plane`, a square of side 2 `reach` around the point
+// of the plane y = radius that is nearest to `middle`. `axes` (a rotation) and `center` map the solid's own
+// space to the scene, m.
 struct DrawnSolid {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
