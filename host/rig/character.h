@@ -18,13 +18,14 @@ struct Joint {
   std::string name;
   std::int32_t parent = -1;  // index into Skeleton::joints, before the child
   Eigen::Matrix4d rest_local =
-      Eigen::Matrix4d::Identity();  // node's local transform where no channel moves it
+      Eigen::Matrix4d::Identity();  // the node's local transform while no channel moves it
   Eigen::Matrix4d inverse_bind =
       Eigen::Matrix4d::Identity();               // mesh space (metres, bind pose) to joint space
-  Vector3d rest_translation = Vector3d::Zero();  // rest_local, split, for channels that move one part
+  Vector3d rest_translation = Vector3d::Zero();  // rest_local decomposed, for channels that move only one
+                                                 // part
   Eigen::Vector4d rest_rotation{0, 0, 0, 1};     // x y z w
   Vector3d rest_scale = Vector3d::Ones();
-  bool skins = false;  // false: a node in between that no vertex follows
+  bool skins = false;  // false: an intermediate node that no vertex follows
 };
 
 enum class Interpolation { step, linear, cubic_spline };
@@ -35,8 +36,8 @@ struct Channel {
   ChannelPath path = ChannelPath::translation;
   Interpolation interpolation = Interpolation::linear;
   std::vector<double> times;   // s, ascending
-  std::vector<double> values;  // 3 or 4 a key; cubic_spline: in-tangent, value, out-tangent
-  // cubic_spline: not 0 where the stretch after this key runs as between linear keys; empty: nowhere.
+  std::vector<double> values;  // 3 or 4 per key; cubic_spline: in-tangent, value, out-tangent
+  // cubic_spline: nonzero if the interval after this key is interpolated linearly; empty: none is.
   std::vector<char> straight = {};
 };
 
@@ -45,26 +46,26 @@ struct WeightChannel {
   std::uint32_t node = 0;  // in the file: SurfacePart::node
   Interpolation interpolation = Interpolation::linear;
   std::vector<double> times;   // s, ascending
-  std::vector<double> values;  // one a shape a key; cubic_spline: in-tangents, values, out-tangents
+  std::vector<double> values;  // one per shape and key; cubic_spline: in-tangents, values, out-tangents
 };
 
 struct Clip {
   std::string name;
-  double duration = 0.0;  // s, the last key of any channel
+  double duration = 0.0;  // s; the last key of any channel
   std::vector<Channel> channels;
   std::vector<WeightChannel> weights = {};
 };
 
-// Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on the
-// primitives that lack it. _FIBER is a direction and stands in the bind pose, like the positions.
+// Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on
+// primitives that lack it. _FIBER is a direction in the bind pose, like the positions.
 struct PaintedAttribute {
   std::string name;
-  std::uint32_t width = 1;     // numbers a vertex, 1 to 4
-  std::vector<double> values;  // width a vertex of the surface
+  std::uint32_t width = 1;     // numbers per vertex, 1 to 4
+  std::vector<double> values;  // `width` per vertex of the surface
 };
 
-// What one primitive of the file gave: a stretch of the surface's vertices and of its triangles. The parts
-// cover the surface in its order. Those of one node are one object of the scene.
+// A range of the surface's vertices and triangles that came from one primitive of the file. The parts cover
+// the surface in order. Parts of one node are one object of the scene.
 struct SurfacePart {
   std::string object;      // the node's name, or its mesh's, or "mesh N"
   std::string material;    // empty: none, or one without a name
@@ -75,15 +76,15 @@ struct SurfacePart {
 
 // A rigged character: the render mesh in its bind pose, its weights, its joints and its clips.
 struct Character {
-  mesh::SurfaceMesh surface;                         // metres, file's vertex order, seams not welded
-  std::vector<std::array<std::uint32_t, 8>> joints;  // a vertex: indices into skeleton
-  std::vector<std::array<double, 8>> weights;        // a vertex: sums to 1
+  mesh::SurfaceMesh surface;                         // metres, vertex order of the file, seams not welded
+  std::vector<std::array<std::uint32_t, 8>> joints;  // per vertex: indices into skeleton
+  std::vector<std::array<double, 8>> weights;        // per vertex: sums to 1
   std::vector<Joint> skeleton;                       // parents before children
   std::vector<Clip> clips;
   std::vector<PaintedAttribute> painted;
   std::vector<SurfacePart> parts;                      // none: the surface is one part without names
-  Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
-  std::vector<std::string> notes;                      // what was not taken as the file has it
+  Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // transform above the skeleton's roots
+  std::vector<std::string> notes;                      // where the character differs from the file
 };
 
 }  // namespace fascicle::rig

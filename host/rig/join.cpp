@@ -26,7 +26,7 @@ void add_skeleton(const Placed& placed, Character& all) {
   top.rest_translation = placed.at;
   top.rest_rotation = placed.turn;
   top.rest_local = placed.place * one.root;
-  // What goes with this joint stands in the character's own bind pose, and never moves in it.
+  // What follows this joint is rigid in the character's own bind pose.
   top.inverse_bind = affine_inverse(one.root) * back;
   all.skeleton.push_back(top);
   for (Joint joint : one.skeleton) {
@@ -84,7 +84,7 @@ void add_clip(const Placed& placed, std::uint32_t first_joint, Clip& all) {
   all.name += (all.name.empty() ? "" : " + ") + placed.name + "/" + placed.clip->name;
 }
 
-// Painted on some of the characters, 0 on the others.
+// 0 on the characters that lack the attribute.
 void add_painted(const Placed& placed, std::size_t first_vertex, Character& all) {
   for (const PaintedAttribute& one : placed.character->painted) {
     auto found = std::find_if(all.painted.begin(), all.painted.end(),

@@ -11,7 +11,7 @@ namespace fascicle::rig {
 std::span<const PaintKind> paint_kinds() {
   static constexpr std::array<PaintKind, 4> kinds{
       PaintKind{.name = "_RIGID", .most = 1.0}, PaintKind{.name = "_LAYER", .most = 255.0, .is_whole = true},
-      // Unpainted flesh is as stiff as its layer says.
+      // By default flesh is as stiff as its layer.
       PaintKind{.name = "_STIFFNESS", .most = 10.0, .elsewhere = 1.0},
       PaintKind{.name = "_FIBER", .width = 3, .least = -1.0, .most = 1.0, .is_direction = true}};
   return kinds;

@@ -19,13 +19,13 @@ bool is_letter_or_digit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (c & 0x80) != 0;
 }
 
-// Whether `text` ends with `end`, after a character for which `separates` says so.
+// Whether `text` ends with `end`, preceded by a separator.
 template <class Separates>
 bool ends_with_part(const std::string& text, const std::string& end, const Separates& separates) {
   return text.size() > end.size() && text.ends_with(end) && separates(text[text.size() - end.size() - 1]);
 }
 
-// From strict to lenient; the first way by which any clip answers to the name decides.
+// Tries rules from strict to lenient; the first one that matches any clip decides.
 std::vector<std::size_t> clips_called(const std::vector<Clip>& clips, const std::string& name) {
   const auto is_of_armature = [](char c) { return c == '|' || c == ':' || c == '/'; };
   const auto is_any = [](char c) { return !is_letter_or_digit(c); };

@@ -8,7 +8,7 @@
 namespace fascicle::rig {
 namespace {
 
-// Written out rather than Eigen's: the order of the sum is part of the result's bits.
+// Written out instead of using Eigen's: the order of the sum affects the bits of the result.
 double dot(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
   return ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3];
 }
@@ -39,8 +39,8 @@ Eigen::Vector4d slerp(const Eigen::Vector4d& a, const Eigen::Vector4d& b, double
   const Eigen::Vector4d end = cosine < 0.0 ? Eigen::Vector4d(-b) : b;
   cosine = std::abs(cosine);
   double share_a = 1.0 - u, share_b = u;
-  // Below an angle of about 1e-7 the arc and its chord differ by less than the last bit, and sin(angle) says
-  // little.
+  // Below an angle of about 1e-7 the arc and its chord differ by less than the last bit, and sin(angle) is
+  // inaccurate.
   if (cosine < 1.0 - 1e-14) {
     const double angle = base::exact_acos(cosine);
     const double sine = base::exact_sin(angle);
@@ -64,7 +64,7 @@ Eigen::Vector4d sample(const Channel& channel, double time) {
   const std::size_t width = is_rotation ? 4 : 3;
   const std::size_t stride = is_spline ? 3 * width : width;
   const auto part = [&](std::size_t key,
-                        std::size_t which) {  // 0 1 2: in-tangent, value, out-tangent of a spline
+                        std::size_t which) {  // 0, 1, 2: in-tangent, value, out-tangent of a spline
     Eigen::Vector4d v = Eigen::Vector4d::Zero();
     for (std::size_t c = 0; c < width; ++c) {
       v[static_cast<int>(c)] = channel.values[key * stride + which * width + c];
@@ -75,7 +75,7 @@ Eigen::Vector4d sample(const Channel& channel, double time) {
   const auto finished = [&](const Eigen::Vector4d& v, std::size_t key) -> Eigen::Vector4d {
     if (!is_rotation) return v;
     const double square = dot(v, v);
-    // A spline may run through zero, where there is no direction to take: the key before it holds.
+    // A spline may pass through zero, where it has no direction: use the previous key.
     if (square > 0.0) return v / std::sqrt(square);
     const Eigen::Vector4d held = value(key);
     return held / std::sqrt(dot(held, held));

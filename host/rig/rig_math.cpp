@@ -8,9 +8,9 @@
 namespace fascicle::rig {
 namespace {
 
-// Of the size of the matrix: its determinant over the cube of its norm.
+// Relative to the matrix's size: its determinant over the cube of its norm.
 constexpr double flat = 1e-6;
-// Almost opposite directions have no shortest rotation: v is turned round.
+// Almost opposite directions have no unique shortest rotation: v is negated.
 constexpr double opposite = -0.999;
 
 }  // namespace

@@ -16,15 +16,15 @@ double least_of(double a, double b) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-// One number of a channel at its keys.
+// One component of a channel at its keys.
 struct Samples {
   const std::vector<double>& times;
   std::vector<double> values;
   bool wraps = false;
-  double seam = 1.0;  // -1: the last key is the first with its sign changed, as quaternions may be
+  double seam = 1.0;  // -1: the last key is the negated first key, as quaternions may be
 
   std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(times.size()); }
-  // Stretches are numbered by the key they begin at; those beyond an end are the other end's.
+  // Intervals are numbered by the key they start at; numbers beyond one end wrap to the other.
   std::ptrdiff_t stretch(std::ptrdiff_t k) const {
     const std::ptrdiff_t stretches = count() - 1;
     return (k % stretches + stretches) % stretches;
@@ -39,8 +39,8 @@ struct Samples {
     const double sign = k < 0 || k >= count() - 1 ? seam : 1.0;
     return sign * (values[i + 1] - values[i]) / span(k);
   }
-  // Half of the second derivative of the parabola through key k and its neighbours; beside an end that of the
-  // key next to it.
+  // Half the second derivative of the parabola through key k and its neighbours; at an end, that of the next
+  // key inwards.
   double curvature(std::ptrdiff_t k) const {
     const bool before = has_stretch(k - 1), after = has_stretch(k);
     if (!before && !after) return 0.0;
@@ -53,7 +53,7 @@ struct Samples {
   std::pair<double, double> bounds(std::ptrdiff_t k) const;
 };
 
-// Of the parabola through an end and the two keys next to it, if that runs the same way as the line.
+// Slope of the parabola through an end and the two keys next to it, if it has the sign of the line's slope.
 double Samples::end_slope(std::ptrdiff_t k) const {
   const bool before = has_stretch(k - 1);
   const double curve = curvature(k);
@@ -63,8 +63,8 @@ double Samples::end_slope(std::ptrdiff_t k) const {
   return wanted * line <= 0.0 ? 0.0 : std::clamp(wanted, -most, most);
 }
 
-// Huynh's (3.11): beyond what keeps the curve between its keys, as much as the curvature on both sides bears
-// out.
+// Huynh's (3.11): beyond the bound that keeps the curve between its keys, allows as much as the curvature on
+// both sides supports.
 std::pair<double, double> Samples::bounds(std::ptrdiff_t k) const {
   const double curve = curvature(k);
   const double between = least_of(slope(k - 1), slope(k));
@@ -73,8 +73,8 @@ std::pair<double, double> Samples::bounds(std::ptrdiff_t k) const {
   return {std::min({0.0, 3.0 * between, 1.5 * borne_out}), std::max({0.0, 3.0 * between, 1.5 * borne_out})};
 }
 
-// The slopes of the curve at the keys; `is_sample` says which stretches it runs through. Where no bound bites
-// its second derivative does not jump either.
+// The curve's slopes at the keys; `is_sample` says which intervals it covers. Where no bound is active, its
+// second derivative is continuous too.
 std::vector<double> smooth_slopes(const Samples& part, const std::vector<char>& is_sample) {
   const auto count = static_cast<std::ptrdiff_t>(is_sample.size()) + 1;
   const auto is_curved = [&](std::ptrdiff_t k) {
@@ -92,14 +92,14 @@ std::vector<double> smooth_slopes(const Samples& part, const std::vector<char>& 
     } else if (is_curved(k - 1) && is_curved(k)) {
       std::tie(key.low, key.high) = part.bounds(k);
     } else if (is_curved(k - 1) || is_curved(k)) {
-      // The curve leaves the line as the line runs, unless that would lead it astray.
+      // The curve leaves a straight interval with the line's slope, unless that would make it overshoot.
       const double line = part.slope(is_curved(k) ? k - 1 : k);
       const double most = 3.0 * part.slope(is_curved(k) ? k : k - 1);
       key.slope = std::clamp(line, std::min(0.0, most), std::max(0.0, most));
       key.low = key.high = key.slope;
     }
   }
-  // Gauss and Seidel with bounds; an error falls to a half or less in each sweep.
+  // Projected Gauss-Seidel; each sweep at least halves the error.
   constexpr int sweeps = 48;
   const auto slope_at = [&](std::ptrdiff_t k) {
     if (k >= 0 && k < count) return keys[static_cast<std::size_t>(k)].slope;
@@ -126,7 +126,7 @@ double dot(const std::vector<double>& values, std::size_t a, std::size_t b) {
   return sum;
 }
 
-// Quaternions of length 1, each on the side of the one before.
+// Unit quaternions, each in the same hemisphere as the previous one.
 std::vector<double> aligned(std::vector<double> values) {
   for (std::size_t k = 0; 4 * k < values.size(); ++k) {
     const double length = std::sqrt(dot(values, k, k));
@@ -138,7 +138,7 @@ std::vector<double> aligned(std::vector<double> values) {
 
 bool ends_as_it_begins(const Samples& part, bool is_rotation) {
   const auto [low, high] = std::minmax_element(part.values.begin(), part.values.end());
-  // Exporters write floats, and their keys are seldom better than this.
+  // Exporters write floats, and their keys are rarely more accurate than this.
   const double noticeable =
       is_rotation ? 1e-4 : 1e-3 * (*high - *low) + 1e-6 * std::max(std::abs(*low), std::abs(*high));
   return std::abs(part.seam * part.values.back() - part.values.front()) <= noticeable;
@@ -194,7 +194,7 @@ Clip straight_clip(const Clip& clip) {
     const bool is_rotation = channel.path == ChannelPath::rotation;
     const std::size_t width = is_rotation ? 4 : 3;
     if (!channel.straight.empty()) {
-      // Of in-tangent, value and out-tangent the value.
+      // Of in-tangent, value and out-tangent, keeps the value.
       std::vector<double> values;
       for (std::size_t k = 0; k < channel.values.size(); ++k)
         if (k / width % 3 == 1) values.push_back(channel.values[k]);

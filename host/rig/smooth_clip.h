@@ -1,33 +1,34 @@
-// Linear keys that are samples of a motion, made smooth.
+// Smooths linear keys that are samples of a motion.
 //
-// Exporters write what an animation is 24 or 30 times a second, and say that straight lines run between:
-// velocity then jumps at every key, and flesh feels each jump as a blow. Where keys follow each other within
-// `longest_sample`, a cubic spline runs through them here instead, with continuous velocity and acceleration.
-// Its slopes are bounded as by Huynh, "Accurate monotone cubic interpolation", SIAM J. Numer. Anal. 30
-// (1993): a pose that is held stays held, a step between two poses overshoots neither, and the top of an arc
+// Exporters sample an animation 24 or 30 times a second and declare linear interpolation between the samples:
+// velocity then jumps at every key, and flesh reacts to each jump as to a blow. Where keys are at most
+// `longest_sample` apart, they are interpolated by a cubic spline with continuous velocity and acceleration
+// instead. Its slopes are bounded as in Huynh, "Accurate monotone cubic interpolation", SIAM J. Numer. Anal.
+// 30 (1993): a held pose stays held, a step between two poses does not overshoot, and the top of an arc
 // between two samples is kept.
 //
-// Stretches longer than that stay straight: an artist drew them, or an exporter left out samples that lay on
-// the line. Keys, and with them every pose that the file states, stay as they are.
+// Longer intervals stay straight: an artist drew them, or an exporter left out samples that lay on the line.
+// Keys, and with them every pose stated in the file, are unchanged.
 #pragma once
 
 #include "host/rig/character.h"
 
 namespace fascicle::rig {
 
-// s; a float's rounding above a tenth.
+// s; a tenth plus a float's rounding.
 inline constexpr double longest_sample = 0.1001;
 
-// The channel with cubics where its linear keys are samples; as it came where none are. `wraps`: what comes
-// before its first key is what comes before its last one, whose values are the same but for rounding.
+// The channel with cubics where its linear keys are samples; unchanged if none are. `wraps`: the motion
+// before the first key is the motion before the last one, whose values are equal to the first but for
+// rounding.
 Channel smooth_channel(const Channel& channel, bool wraps = false);
 
-// All channels of the clip. `repeats`: it is played again and again from `start` to `end`; channels with keys
-// from the one to the other that end as they begin then wrap.
+// Smooths all channels of the clip. `repeats`: it loops from `start` to `end`; channels whose keys span that
+// range and end as they begin then wrap.
 Clip smooth_clip(const Clip& clip, bool repeats, double start, double end);
 
-// The clip with straight lines between the keys of its linear channels, the same bits whether it was made
-// smooth before or not.
+// The clip with straight lines between the keys of its linear channels. Gives the same bits whether or not
+// the clip was smoothed before.
 Clip straight_clip(const Clip& clip);
 
 }  // namespace fascicle::rig
