@@ -1,4 +1,4 @@
-// Meshes as their files hold them.
+// Meshes as stored in their files.
 #pragma once
 
 #include <array>

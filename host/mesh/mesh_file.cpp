@@ -22,7 +22,7 @@ bool is_one_of(const std::string& extension, std::initializer_list<const char*> 
   return std::any_of(list.begin(), list.end(), [&](const char* each) { return extension == each; });
 }
 
-// NAME.node and NAME.ele, whichever of them `path` is; the other keeps the case of the given extension.
+// Reads NAME.node and NAME.ele, whichever of them `path` names; the other extension has the same case.
 TetMesh read_tetgen_pair(const fs::path& path) {
   const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
   fs::path node = path;
@@ -51,13 +51,12 @@ auto with_memory_checked(const fs::path& path, Read read) {
 }
 
 void append_number(std::string& text, double value) {
-  std::array<char, 32>
-      digits;  // the shortest form that reads back to the same bits has at most 24 characters
+  std::array<char, 32> digits;  // the shortest round-trip form has at most 24 characters
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   text.append(digits.data(), end);
 }
 
-// Goes unless it was renamed to its place.
+// Removes the file unless it was renamed to its final name.
 class PendingFile {
  public:
   explicit PendingFile(const fs::path& path)

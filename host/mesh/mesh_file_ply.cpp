@@ -23,7 +23,7 @@ enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 
 struct Property {
   std::string name;
   Scalar type = Scalar::float32;
-  std::optional<Scalar> count_type;  // a list has one
+  std::optional<Scalar> count_type;  // only lists have one
 };
 
 struct Element {
@@ -149,7 +149,7 @@ Header read_header(const std::string& file, std::string_view bytes) {
   return header;
 }
 
-// Values one after the other, from text or from bytes. fail() names the place of the last value.
+// Reads consecutive values from text or from bytes. fail() reports the position of the last value.
 class TextValues {
  public:
   TextValues(const std::string& file, std::string_view bytes, std::size_t header_size)
@@ -159,9 +159,9 @@ class TextValues {
   double value(Scalar) { return scanner_.number("a value"); }
   void skip(Scalar) { scanner_.word("a value"); }
   std::uint64_t length(Scalar) { return scanner_.whole("a list's length"); }
-  static std::size_t smallest(Scalar) { return 2; }  // a digit and a blank
+  static std::size_t smallest(Scalar) { return 2; }  // a digit and a space
   bool at_end() { return scanner_.at_end(); }
-  std::size_t remaining() const { return scanner_.remaining() + 1; }  // as if the last value had its blank
+  std::size_t remaining() const { return scanner_.remaining() + 1; }  // as if a space followed the last value
   [[noreturn]] void fail(const std::string& what) const { scanner_.fail(what); }
 
  private:
@@ -275,7 +275,7 @@ void read_face(Values& values, const Element& element, SurfaceMesh& mesh,
       polygon.resize(list_length(values, property));
       for (std::uint32_t& v : polygon) {
         const double value = values.value(property.type);
-        // Written so that nan fails too.
+        // Written so that NaN fails too.
         if (!(value >= 0.0 && value < static_cast<double>(mesh.vertices.size())) ||
             value != std::floor(value)) {
           values.fail("a face names a vertex that is not one of the " + std::to_string(mesh.vertices.size()) +

@@ -1,4 +1,4 @@
-// Surfaces: OFF, OBJ, STL. PLY has a file of its own.
+// Surfaces: OFF, OBJ, STL. PLY has its own file.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -25,7 +25,7 @@ class Welder {
   std::uint32_t vertex(SurfaceMesh& mesh, Vector3d point) {
     std::array<std::uint64_t, 3> key;
     for (int axis = 0; axis < 3; ++axis) {
-      if (point[axis] == 0.0) point[axis] = 0.0;  // -0 and +0 are one place
+      if (point[axis] == 0.0) point[axis] = 0.0;  // -0 and +0 are the same place
       key[static_cast<std::size_t>(axis)] = std::bit_cast<std::uint64_t>(point[axis]);
     }
     const auto [entry, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(mesh.vertices.size()));
@@ -70,7 +70,7 @@ SurfaceMesh read_binary_stl(const std::string& file, std::string_view bytes) {
   for (std::size_t at = stl_header; at < bytes.size(); at += stl_triangle) {
     std::array<Vector3d, 3> corners;
     for (std::size_t k = 0; k < 9; ++k) {
-      const std::size_t place = at + 12 + 4 * k;  // behind the normal
+      const std::size_t place = at + 12 + 4 * k;  // after the normal
       const float value = little_endian_float(bytes, place);
       if (!std::isfinite(value)) {
         throw base::SceneError(file + ": byte " + std::to_string(place) +
@@ -95,11 +95,11 @@ SurfaceMesh read_ascii_stl(const std::string& file, std::string_view text) {
   };
   while (!scanner.at_end()) {
     expect("solid");
-    scanner.skip_line();  // its name
+    scanner.skip_line();  // the solid's name
     while (scanner.peek() == "facet") {
       expect("facet");
       expect("normal");
-      for (int k = 0; k < 3; ++k) scanner.word("a normal");  // exporters write nan here: it is not used
+      for (int k = 0; k < 3; ++k) scanner.word("a normal");  // unused; exporters may write nan here
       expect("outer");
       expect("loop");
       std::array<Vector3d, 3> corners;

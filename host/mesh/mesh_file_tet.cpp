@@ -1,4 +1,4 @@
-// Tetrahedral meshes as words and numbers: MEDIT, TetGen, Gmsh 2.2.
+// Tetrahedral meshes in text formats: MEDIT, TetGen, Gmsh 2.2.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -35,7 +35,7 @@ class NodeNumbers {
  public:
   void add(std::uint64_t number, std::uint32_t index) { entries_.emplace_back(number, index); }
 
-  // Call once all are added. The number that came twice, or nothing.
+  // Call after adding all numbers. Returns a duplicate number, or null.
   const std::uint64_t* sort() {
     std::sort(entries_.begin(), entries_.end());
     const auto twice = std::adjacent_find(entries_.begin(), entries_.end(),
@@ -95,7 +95,7 @@ TetMesh read_medit(const std::string& file, std::string_view text) {
         scanner.word("a tetrahedron's reference");
       }
     } else {
-      // Triangles, Edges, Corners, Normals and whatever else: numbers up to the next keyword.
+      // Triangles, Edges, Corners, Normals and other sections: skips numbers up to the next keyword.
       while (!scanner.at_end() && !is_letter(scanner.peek().front())) scanner.word("a number");
     }
   }
@@ -198,7 +198,8 @@ TetMesh read_gmsh(const std::string& file, std::string_view text) {
       if (has_elements) scanner.fail("a second $Elements section; join the two");
       if (mesh.vertices.empty()) scanner.fail("$Elements before $Nodes; put $Nodes first");
       has_elements = true;
-      const std::size_t count = scanner.count("the number of elements", 6);  // a point: "1 15 0 1" and more
+      const std::size_t count = scanner.count("the number of elements", 6);  // a point element is "1 15 0 1"
+                                                                             // or longer
       for (std::size_t i = 0; i < count; ++i) {
         scanner.whole("an element's number");
         if (scanner.whole("an element's type") != four_node_tetrahedron) {

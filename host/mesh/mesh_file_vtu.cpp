@@ -1,5 +1,5 @@
 // VTK's XML format for unstructured grids, ASCII. The XML reader here knows tags, attributes, comments and
-// declarations: all that writers of such files use.
+// declarations, which is all that writers of such files use.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Tag {
   bool empty = false;   // <name/>
 };
 
-// The value of an attribute, empty without it.
+// The value of an attribute; empty if it is missing.
 std::string_view attribute(const Tag& tag, std::string_view name) {
   std::string_view rest = tag.attributes;
   const auto skip_blanks = [&] {
@@ -45,7 +45,7 @@ std::string_view attribute(const Tag& tag, std::string_view name) {
   return {};
 }
 
-// Moves over text, comments and declarations to the next tag.
+// Skips text, comments and declarations to the next tag.
 Tag next_tag(TextScanner& scanner) {
   for (;;) {
     scanner.until("<");
@@ -81,7 +81,8 @@ struct Grid {
   std::vector<std::uint64_t> connectivity, offsets, types;
 };
 
-// A count that an attribute gives: no number in the text is shorter than two characters.
+// A count from an attribute, checked against the file's size: a number and its separator take at least two
+// characters.
 std::uint64_t piece_count(const TextScanner& scanner, const std::string& file, const Tag& tag,
                           std::string_view name) {
   TextScanner value(file, attribute(tag, name), '\0');
@@ -110,7 +111,7 @@ void read_array(TextScanner& scanner, const Tag& array, const std::string& paren
   const bool is_point_array = parent == "Points";
   const bool is_needed = is_point_array || (parent == "Cells" &&
                                             (name == "connectivity" || name == "offsets" || name == "types"));
-  if (!is_needed) return;  // its numbers are passed over on the way to the next tag
+  if (!is_needed) return;  // next_tag() skips its numbers
   if (attribute(array, "format") != "ascii") {
     scanner.fail("array " + shown(name) + " has format " + shown(attribute(array, "format")) +
                  "; only ascii is read, save the file with data mode ASCII");

@@ -1,7 +1,7 @@
-// The readers behind read_tet_mesh and read_surface_mesh: one function a format, from a file's whole content
-// to a mesh. `file` is for messages only. All throw SceneError. What they return has at least one element,
-// indices in range, no element that names a vertex twice, and finite coordinates; the vertices are the
-// file's, unused ones too.
+// The readers behind read_tet_mesh and read_surface_mesh: one function per format, from a file's whole
+// content to a mesh. `file` is for messages only. All throw SceneError. The result has at least one element,
+// indices in range, no element that uses a vertex twice, and finite coordinates; its vertices are those of
+// the file, including unused ones.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace fascicle::mesh {
 
-// Of the file, before any of it is read.
+// Size limit, checked before reading.
 inline constexpr std::uint64_t largest_mesh_file = std::uint64_t{2} << 30;
 
 std::string read_whole_file(const std::filesystem::path& path);
@@ -27,7 +27,7 @@ TetMesh read_vtu(const std::string& file, std::string_view text);
 SurfaceMesh read_off(const std::string& file, std::string_view text);
 SurfaceMesh read_obj(const std::string& file, std::string_view text);
 SurfaceMesh read_ply(const std::string& file, std::string_view bytes);
-// Corners at equal places become one vertex; triangles that this makes degenerate are left out, which keeps a
+// Corners at equal positions become one vertex; triangles that become degenerate are dropped, which keeps a
 // closed surface closed.
 SurfaceMesh read_stl(const std::string& file, std::string_view bytes);
 

@@ -1,4 +1,4 @@
-// How polygons of a surface file become triangles.
+// Triangulates the polygons of a surface file.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace fascicle::mesh {
 
-// Appends a polygon as a fan around its first corner. Calls `fail`, which must throw, with what is wrong.
+// Appends a polygon as a fan around its first corner. Calls `fail`, which must throw, with the reason.
 template <typename Fail>
 void append_polygon(SurfaceMesh& mesh, const std::vector<std::uint32_t>& polygon, Fail fail) {
   if (polygon.size() < 3) {

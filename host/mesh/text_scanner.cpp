@@ -99,7 +99,7 @@ std::uint64_t TextScanner::whole(std::string_view what, std::uint64_t minimum, s
 
 std::size_t TextScanner::count(std::string_view what, std::size_t bytes_each) {
   const std::uint64_t value = whole(what);
-  // The last entry needs no blank or line end behind it: hence the + 1.
+  // The last entry needs no space or line end after it: hence the + 1.
   if (value > (remaining() + 1) / bytes_each) {
     fail(std::string(what) + " is " + std::to_string(value) + ", more than the rest of the file (" +
          std::to_string(remaining()) + " bytes) can hold; the count is wrong or the file is cut short");
