@@ -20,7 +20,7 @@ struct ArmJoints {
   std::uint32_t shoulder, upper_arm, forearm, hand;
 };
 
-// Palm up: the biceps lies above the bone, the triceps below. `bend` turns what lies beyond the elbow.
+// Palm up: the biceps is above the bone, the triceps below. `bend` rotates everything beyond the elbow.
 Sculpture arm_sculpture(const ArmJoints& j, const Matrix3d& bend) {
   Sculpture arm;
   const auto cone = [&](std::uint32_t joint, double blend, Vector3d from, double from_radius, Vector3d to,
@@ -34,7 +34,7 @@ Sculpture arm_sculpture(const ArmJoints& j, const Matrix3d& bend) {
   cone(j.upper_arm, 0.0, {0.0, 0.0, 0.0}, 0.045, elbow_place, 0.04);
   cone(j.shoulder, 0.05, {-0.05, 0.0, 0.0}, 0.066, {-0.01, 0.006, 0.0}, 0.064);
   cone(j.upper_arm, 0.05, {0.01, 0.012, 0.0}, 0.056, {0.09, 0.004, 0.0}, 0.04);  // deltoid
-  // Biceps and triceps, each thickest in its middle.
+  // Biceps and triceps, each thickest in the middle.
   cone(j.upper_arm, 0.04, {0.08, 0.014, 0.0}, 0.032, {0.165, 0.026, 0.0}, 0.039);
   cone(j.upper_arm, 0.03, {0.165, 0.026, 0.0}, 0.039, {0.275, 0.006, 0.0}, 0.028);
   cone(j.upper_arm, 0.04, {0.03, -0.018, 0.0}, 0.036, {0.13, -0.026, 0.0}, 0.038);

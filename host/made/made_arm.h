@@ -5,7 +5,7 @@
 
 namespace fascicle::made {
 
-// Bound with the elbow bent by `bind_degrees`.
+// Bind pose with the elbow bent by `bind_degrees`.
 rig::Character make_arm(double bind_degrees);
 
 }  // namespace fascicle::made

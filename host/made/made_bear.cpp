@@ -49,7 +49,7 @@ Sculpture bear_sculpture(const BearJoints& j, const rig::Character& character) {
   const auto ball = [&](std::uint32_t joint, double blend, const Vector3d& place, double radius) {
     cone(joint, blend, place, radius, place, radius);
   };
-  // Trunk, from below: seat, belly, chest, and the yoke of the shoulders.
+  // Trunk, from the bottom: seat, belly, chest, and the yoke of the shoulders.
   cone(j.hips, 0.0, {-0.09, 0.70, -0.05}, 0.165, {0.09, 0.70, -0.05}, 0.165);
   cone(j.spine, 0.08, {-0.04, 0.81, 0.095}, 0.235, {0.04, 0.81, 0.095}, 0.235);
   cone(j.spine, 0.10, {0.0, 0.92, 0.06}, 0.225, {0.0, 0.99, 0.03}, 0.19);

@@ -1,5 +1,5 @@
-// The bear bumps somebody with its belly: it crouches and draws back, throws hips and belly forward, and
-// sways back. Its feet stand all the time.
+// The bear bumps into someone with its belly: it crouches and draws back, throws hips and belly forward, and
+// sways back. Its feet stay on the ground.
 #include "host/made/made_bear_poser.h"
 
 namespace fascicle::made {

@@ -1,5 +1,5 @@
-// The bear's jump. The centre of mass is what is drawn: up and down by keys that give the ground's push its
-// place in time, a parabola in the air.
+// The bear's jump. The animated quantity is the centre of mass: keys move it up and down and so time the push
+// off the ground; in the air it follows a parabola.
 #include <cmath>
 #include <cstddef>
 
@@ -10,13 +10,13 @@ namespace {
 
 constexpr double jump_duration = 3.2;
 constexpr double landing = jump_take_off + jump_flight;
-// Of the centre of mass over where it is in the bind pose, m: higher at take-off, because the arms are up.
+// Height of the centre of mass relative to the bind pose, m: higher at take-off, because the arms are up.
 constexpr double standing_height = -0.012, take_off_height = 0.075, landing_height = -0.022;
 constexpr double take_off_speed =
     (landing_height - take_off_height) / jump_flight + jump_gravity * jump_flight / 2.0;  // m/s
 constexpr double landing_speed = take_off_speed - jump_gravity * jump_flight;
 
-// Heights of the centre of mass over where it stands in the bind pose.
+// Heights of the centre of mass relative to the bind pose.
 const std::vector<MotionKey>& heave() {
   static const std::vector<MotionKey> keys{{0.20, standing_height, 0.0, 0.0},
                                            {0.87, -0.18, 0.0, 6.0},
@@ -91,7 +91,7 @@ BearCurves jump_curves() {
                      {landing + 0.07, 0}})};
 }
 
-// How far a foot is off the ground: with the body in the air, starting and ending without a jerk.
+// How far a foot is off the ground: rises with the body in the air, starting and ending smoothly.
 double foot_lift(double time) {
   const double u = time - jump_take_off;
   if (u <= 0.0 || u >= jump_flight) return 0.0;

@@ -27,8 +27,8 @@ Vector3d centre_of_mass(const rig::Character& character, const WorldPose& pose,
   return sum / mass;
 }
 
-// The poses of one moment: everything above the hips first, then the hips' place, then the legs, and again,
-// because the legs have a share in the centre of mass.
+// Computes the pose at one time: first everything above the hips, then the hips' position, then the legs.
+// This is iterated, because the legs contribute to the centre of mass.
 class BearPoser {
  public:
   BearPoser(const rig::Character& character, const BearJoints& joints, const std::vector<PartMass>& masses,
@@ -44,7 +44,7 @@ class BearPoser {
     pose_trunk(time, pose);
     for (std::size_t side = 0; side < 2; ++side) pose_arm(time, side, pose);
     const Vector3d wanted = bind_centre_ + moves_.centre(time);
-    // Each round takes away most of what the last one left; see the test of the parabola.
+    // Each round removes most of the remaining error; see the test of the parabola.
     constexpr int rounds = 12;
     for (int round = 0; round < rounds; ++round) {
       for (std::size_t side = 0; side < 2; ++side) pose_leg(time, side, pose);
@@ -87,7 +87,7 @@ class BearPoser {
   void pose_leg(double time, std::size_t side, WorldPose& pose) const {
     const Vector3d hip = place(joints_.thigh[side]), knee = place(joints_.shin[side]),
                    ankle = place(joints_.foot[side]), ball = place(joints_.toe[side]);
-    // The knee bends to where the foot points, and somewhat further out.
+    // The knee bends towards where the foot points, and somewhat outwards.
     const Vector3d foot(ball.x() - ankle.x(), 0.0, ball.z() - ankle.z());
     const Vector3d out = unit(unit(foot) + mirrored({0.35, 0.0, 0.0}, side));
     const Vector3d bind_side = unit(knee - 0.5 * (hip + ankle));
@@ -99,7 +99,7 @@ class BearPoser {
     pose.turns[joints_.thigh[side]] = turns.upper;
     pose.turns[joints_.shin[side]] = turns.lower;
     pose.turns[joints_.foot[side]] = lift;
-    // On the ground the toes stay flat.
+    // The toes stay flat on the ground.
     pose.turns[joints_.toe[side]] = Matrix3d::Identity();
   }
 

@@ -1,4 +1,4 @@
-// A body of our own without a skeleton: something to drop.
+// A generated body without a skeleton: something to drop.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace fascicle::made {
 
-// "bunny": a sitting bunny of 0.34 m with its ears, looking to +z; its soles stand at y = 0.
+// "bunny": a sitting bunny, 0.34 m tall including its ears, looking to +z; its soles are at y = 0.
 std::vector<std::string> made_surface_names();
 
 // Throws SceneError for any other name.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 
-// A side of a triangle: 3 x triangle + corner it starts from. Twins are the same edge seen from both sides.
+// A half-edge: 3 x triangle + the corner it starts from. Twins are the same edge seen from both triangles.
 struct Sides {
   std::vector<std::uint32_t> twin;
 
@@ -50,7 +50,7 @@ Vector3d unit_normal(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return normal / std::max(std::sqrt(normal.squaredNorm()), 1e-30);
 }
 
-// Whether two vertices share an edge, by walking round the first from one of its sides.
+// Whether two vertices share an edge. Walks around the first vertex, starting from one of its half-edges.
 bool is_edge(const mesh::SurfaceMesh& mesh, const Sides& sides, std::uint32_t first, std::uint32_t other) {
   std::uint32_t side = first;
   do {
@@ -60,7 +60,7 @@ bool is_edge(const mesh::SurfaceMesh& mesh, const Sides& sides, std::uint32_t fi
   return false;
 }
 
-// The two triangles (a b c) and (b a d) at the side a -> b become (d b c) and (c a d), if that helps.
+// Flips the edge a -> b: triangles (a b c) and (b a d) become (d b c) and (c a d), if that improves them.
 bool flip(mesh::SurfaceMesh& mesh, Sides& sides, std::uint32_t ab) {
   const std::uint32_t ba = sides.twin[ab];
   const std::uint32_t bc = next_side(ab), ca = next_side(bc), ad = next_side(ba), db = next_side(ad);
@@ -68,7 +68,8 @@ bool flip(mesh::SurfaceMesh& mesh, Sides& sides, std::uint32_t ab) {
   const std::uint32_t a = vertex(ab), b = vertex(ba), c = vertex(ca), d = vertex(db);
   const Vector3d &pa = mesh.vertices[a], &pb = mesh.vertices[b], &pc = mesh.vertices[c],
                  &pd = mesh.vertices[d];
-  // The sum of the angles at c and d is above 180 degrees just if the sum of their cotangents is negative.
+  // The sum of the angles at c and d exceeds 180 degrees if and only if the sum of their cotangents is
+  // negative.
   constexpr double rounding = 1e-6;
   if (cotangent(pc, pa, pb) + cotangent(pd, pb, pa) > -rounding) return false;
   const Vector3d before = unit_normal(pa, pb, pc) + unit_normal(pb, pa, pd);

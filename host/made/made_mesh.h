@@ -1,4 +1,4 @@
-// Closed triangle meshes made even.
+// Improves closed triangle meshes.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@ namespace fascicle::made {
 
 using Eigen::Vector3d;
 
-// The vertices that share an edge with each, ascending.
+// The vertices that share an edge with each vertex, ascending.
 std::vector<std::vector<std::uint32_t>> vertex_neighbours(const mesh::SurfaceMesh& mesh);
 
-// Flips edges of a closed, manifold mesh until, up to a rounding, each has opposite angles of at most 180
-// degrees in sum, the mesh stays manifold and no flip turns a face by more than 60 degrees.
+// Flips edges of a closed, manifold mesh until the two angles opposite each edge sum to at most 180 degrees,
+// up to rounding. Keeps the mesh manifold and turns no face by more than 60 degrees.
 void flip_to_delaunay(mesh::SurfaceMesh& mesh);
 
-// Moves each vertex most of the way to the mean of its neighbours, weighted by the area around them, along
-// its tangent plane: where vertices are dense they spread.
+// Moves each vertex most of the way to the mean of its neighbours, weighted by the area around them, within
+// its tangent plane: dense vertices spread out.
 void smooth_tangentially(mesh::SurfaceMesh& mesh);
 
 }  // namespace fascicle::made

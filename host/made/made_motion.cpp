@@ -44,7 +44,7 @@ double motion_at(const std::vector<MotionKey>& keys, double time) {
   while (time >= keys[k + 1].time) ++k;
   const MotionKey &a = keys[k], &b = keys[k + 1];
   const double h = b.time - a.time, u = (time - a.time) / h;
-  // The cubic that takes up what the parabola from `a` leaves over at `b`, in u^3, u^4, u^5.
+  // Terms in u^3, u^4 and u^5 that make up the difference at `b` to the parabola from `a`.
   const double place = b.place - (a.place + h * a.velocity + 0.5 * h * h * a.acceleration);
   const double velocity = h * (b.velocity - (a.velocity + h * a.acceleration));
   const double acceleration = h * h * (b.acceleration - a.acceleration);
@@ -78,7 +78,7 @@ Vector3d unit(const Vector3d& v) {
 
 namespace {
 
-// Axes of a bone: along it, across the limb's plane, and the third.
+// Axes of a bone: along it, perpendicular to the limb's plane, and the third.
 Matrix3d frame(const Vector3d& along, const Vector3d& side) {
   const Vector3d x = unit(along), y = unit(x.cross(side));
   Matrix3d axes;
@@ -140,7 +140,7 @@ std::vector<Vector3d> places_of_joints(const rig::Character& character, const Wo
 
 namespace {
 
-// x y z w; the largest of the four is taken from the diagonal, so that none is lost to rounding.
+// x y z w. Starts from the largest of the four, which the diagonal gives, so that none is lost to rounding.
 Eigen::Vector4d quaternion_of(const Matrix3d& m) {
   const std::array<double, 4> squares{1.0 + m(0, 0) - m(1, 1) - m(2, 2), 1.0 - m(0, 0) + m(1, 1) - m(2, 2),
                                       1.0 - m(0, 0) - m(1, 1) + m(2, 2), 1.0 + m(0, 0) + m(1, 1) + m(2, 2)};
@@ -178,7 +178,7 @@ rig::Clip clip_of_poses(const rig::Character& character, const std::string& name
           parent < 0 ? pose.turns[j]
                      : Matrix3d(pose.turns[static_cast<std::size_t>(parent)].transpose() * pose.turns[j]);
       Eigen::Vector4d q = quaternion_of(local);
-      // Neighbouring keys on the same side, as some readers of glTF expect.
+      // Keeps neighbouring keys in the same hemisphere, as some glTF readers expect.
       if (!turns.values.empty()) {
         const double* before = turns.values.data() + turns.values.size() - 4;
         if (((before[0] * q[0] + before[1] * q[1]) + before[2] * q[2]) + before[3] * q[3] < 0.0) q = -q;

@@ -16,8 +16,8 @@ double clamp(double x, double low, double high) {
   return x < low ? low : x > high ? high : x;
 }
 
-// The distance to a round cone is the least over its balls; where the slope allows, that ball's centre lies
-// off the foot of the perpendicular by slope x height.
+// The distance to a round cone is the minimum over its balls. If the radius changes, the centre of the
+// nearest ball is not the foot of the perpendicular.
 FieldSample sample_part(const RoundCone& part, const Vector3d& point) {
   const Vector3d axis = part.to - part.from, from = point - part.from;
   const double square = axis.squaredNorm();
@@ -35,7 +35,8 @@ FieldSample sample_part(const RoundCone& part, const Vector3d& point) {
   return {distance - radius, distance > 0.0 ? Vector3d(away / distance) : Vector3d(0.0, 1.0, 0.0)};
 }
 
-// The polynomial smooth minimum: differs from the least only where the two are within `width`.
+// The polynomial smooth minimum: differs from the minimum only where the two are within `width` of each
+// other.
 FieldSample smooth_union(const FieldSample& a, const FieldSample& b, double width) {
   if (b.distance - a.distance >= width) return a;
   if (a.distance - b.distance >= width) return b;
@@ -44,7 +45,7 @@ FieldSample smooth_union(const FieldSample& a, const FieldSample& b, double widt
           share * a.gradient + (1.0 - share) * b.gradient};
 }
 
-constexpr double sole_rounding = 0.02;  // m, of the edge where the floor cuts
+constexpr double sole_rounding = 0.02;  // m; rounds the edge where the floor cuts
 
 }  // namespace
 
@@ -52,7 +53,7 @@ FieldSample sample_field(const Sculpture& sculpture, const Vector3d& point) {
   FieldSample field = sample_part(sculpture.parts.front(), point);
   for (std::size_t i = 1; i < sculpture.parts.size(); ++i)
     field = smooth_union(field, sample_part(sculpture.parts[i], point), sculpture.parts[i].blend);
-  // An intersection is the union of the complements.
+  // An intersection is the complement of the union of the complements.
   const FieldSample above{point.y() - sculpture.floor, Vector3d(0.0, 1.0, 0.0)};
   const FieldSample outside =
       smooth_union({-field.distance, Vector3d(-field.gradient)}, above, sole_rounding);
@@ -74,7 +75,8 @@ std::size_t nearest_part(const Sculpture& sculpture, const Vector3d& point) {
 
 namespace {
 
-// A grid of points that holds the body with two cells to spare, symmetric in x with a cell's middle at x = 0.
+// A grid of points around the body with a margin of two cells, symmetric in x with the middle of a cell at x
+// = 0.
 struct Grid {
   Vector3d origin;
   std::array<int, 3> points{};
@@ -94,7 +96,7 @@ Grid grid_around(const Sculpture& sculpture, double spacing) {
   for (const RoundCone& part : sculpture.parts) {
     for (const auto& [centre, radius] :
          {std::pair(part.from, part.from_radius), std::pair(part.to, part.to_radius)}) {
-      // Fillets stand out by a quarter of their width.
+      // Fillets bulge by a quarter of their width.
       const Vector3d reach = Vector3d::Constant(radius + 0.25 * part.blend);
       low = low.cwiseMin(centre - reach);
       high = high.cwiseMax(centre + reach);
@@ -107,7 +109,7 @@ Grid grid_around(const Sculpture& sculpture, double spacing) {
   high.x() = width;
   for (int a = 0; a < 3; ++a) {
     const double middle = (low[a] + high[a]) / 2.0;
-    // An even number of points, so that the middle is a cell's.
+    // An even number of points, so that the middle is the middle of a cell.
     const int half = static_cast<int>(std::ceil((high[a] - low[a]) / (2.0 * spacing))) + 2;
     grid.points[static_cast<std::size_t>(a)] = 2 * half;
     grid.origin[a] = middle - (half - 0.5) * spacing;
@@ -115,8 +117,8 @@ Grid grid_around(const Sculpture& sculpture, double spacing) {
   return grid;
 }
 
-// Field distances at all points of the grid. Blocks that lie farther from the surface than their own size are
-// filled with the value at their middle, whose sign is all that is asked of them.
+// Field distances at all points of the grid. Blocks that are farther from the surface than their own size are
+// filled with the value at their middle, because only its sign is used.
 std::vector<double> sample_grid(const Sculpture& sculpture, const Grid& grid) {
   constexpr int block = 4;
   std::vector<double> field(grid.size());
@@ -137,7 +139,7 @@ std::vector<double> sample_grid(const Sculpture& sculpture, const Grid& grid) {
 
 constexpr std::uint32_t no_part = ~std::uint32_t{0};
 
-// The twelve edges of a cell, by axis and by where they lie along the next two; corners have a bit an axis.
+// The twelve edges of a cell, by axis and by position along the next two axes; a corner has one bit per axis.
 std::size_t cell_edge(std::size_t axis, std::size_t a, std::size_t b) {
   return 4 * axis + a + 2 * b;
 }
@@ -150,8 +152,8 @@ CellEdge cell_edge(std::size_t edge) {
   return {axis, low, low | std::size_t{1} << axis};
 }
 
-// For each edge of a cell that the surface crosses, the sheet it belongs to, by the lowest edge of that
-// sheet. On a face the two crossings are joined; of four, the two around each inner corner.
+// For each edge of a cell that the surface crosses, the sheet it belongs to, identified by the lowest edge of
+// that sheet. On a face with two crossings they are joined; with four, the two around each inner corner are.
 std::array<std::size_t, 12> sheets_of_cell(const std::array<bool, 8>& inside) {
   std::array<std::size_t, 12> sheet{};
   for (std::size_t e = 0; e < 12; ++e) sheet[e] = e;
@@ -178,12 +180,12 @@ std::array<std::size_t, 12> sheets_of_cell(const std::array<bool, 8>& inside) {
   return sheet;
 }
 
-// In each cell a vertex for each sheet of the surface, at the mean of its crossings of the cell's edges;
-// around each crossed edge of the grid one quadrilateral, cut along its shorter diagonal.
+// Places one vertex per cell and sheet of the surface, at the mean of the sheet's crossings of the cell's
+// edges, and one quadrilateral around each crossed grid edge, split along its shorter diagonal.
 mesh::SurfaceMesh surface_nets(const Grid& grid, const std::vector<double>& field) {
   mesh::SurfaceMesh mesh;
   std::vector<std::uint32_t> slot_of_cell(field.size(), no_part);
-  std::vector<std::array<std::uint32_t, 12>> vertex_of_edge;  // a slot
+  std::vector<std::array<std::uint32_t, 12>> vertex_of_edge;  // per slot
   for (int k = 0; k + 1 < grid.points[2]; ++k)
     for (int j = 0; j + 1 < grid.points[1]; ++j)
       for (int i = 0; i + 1 < grid.points[0]; ++i) {
@@ -237,7 +239,7 @@ mesh::SurfaceMesh surface_nets(const Grid& grid, const std::vector<double>& fiel
           next[axis] += 1;
           const bool inside = field[grid.index(i, j, k)] < 0.0;
           if (inside == (field[grid.index(next[0], next[1], next[2])] < 0.0)) continue;
-          // The cell that has this edge at (a, b) among its four along the axis.
+          // The vertex in the cell that has this edge at (a, b) among its four edges along the axis.
           const auto vertex = [&](std::size_t a, std::size_t b) {
             std::array<int, 3> cell{i, j, k};
             cell[(axis + 1) % 3] -= static_cast<int>(a);
@@ -257,7 +259,7 @@ Vector3d project(const Sculpture& sculpture, const Vector3d& point) {
 }  // namespace
 
 mesh::SurfaceMesh polygonise(const Sculpture& sculpture, double spacing) {
-  // Where the surface lies askew to the grid it crosses more cells: a net's mean edge is 0.89 of its grid's.
+  // A surface oblique to the grid crosses more cells: a net's mean edge is 0.89 of its grid's.
   const Grid grid = grid_around(sculpture, spacing / 0.89);
   mesh::SurfaceMesh mesh = surface_nets(grid, sample_grid(sculpture, grid));
   constexpr int rounds = 12;

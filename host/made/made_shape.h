@@ -1,5 +1,5 @@
 // Bodies modelled in code: a smooth union of round cones along a skeleton, turned into an even, closed
-// triangle mesh with skin weights. Only + - * / and sqrt, so that every machine makes the same bits.
+// triangle mesh with skin weights. Uses only + - * / and sqrt, so that every machine produces the same bits.
 #pragma once
 
 #include <cstddef>
@@ -11,45 +11,46 @@ namespace fascicle::made {
 
 using Eigen::Vector3d;
 
-// The balls between two, from one end to the other: a capsule whose radius changes. Metres.
+// A capsule whose radius changes linearly from one end to the other. Metres.
 struct RoundCone {
   Vector3d from, to;
   double from_radius = 0.0, to_radius = 0.0;
-  std::size_t joint = 0;  // whose flesh it is
-  double blend = 0.0;     // width of the fillet between it and all parts before it
+  std::size_t joint = 0;  // the joint whose flesh it is
+  double blend = 0.0;     // width of the fillet between it and all earlier parts
 };
 
 struct Sculpture {
   std::vector<RoundCone> parts;
-  double floor = -1e30;  // the body is cut flat below this height, as soles are
+  double floor = -1e30;  // the body is cut flat below this height, for soles
 };
 
 struct FieldSample {
-  double distance = 0.0;  // < 0 inside; a bound of the distance to the surface where parts blend
+  double distance = 0.0;  // < 0 inside; a bound on the distance to the surface where parts blend
   Vector3d gradient = Vector3d::Zero();
 };
 FieldSample sample_field(const Sculpture& sculpture, const Vector3d& point);
 
-// The part whose own surface lies nearest to a point, or deepest around it.
+// The part whose own surface is nearest to a point or, if the point is inside, the one that contains it most
+// deeply.
 std::size_t nearest_part(const Sculpture& sculpture, const Vector3d& point);
 
-// The surface, closed, manifold and with its front outside; edges near `spacing` (the 99th percentile of
-// their lengths below 2.5 times the 1st). Details thinner than two spacings are lost. Surface nets with a
-// vertex for each sheet in a cell (Gibson 1998, Nielson 2004), symmetric in x, then Delaunay flips and
-// tangential smoothing, projected back onto the field.
+// The surface: closed, manifold, facing outward, with edge lengths near `spacing` (their 99th percentile is
+// below 2.5 times the 1st). Details thinner than two spacings are lost. Surface nets with a vertex for each
+// sheet in a cell (Gibson 1998, Nielson 2004), symmetric in x, then Delaunay flips and tangential smoothing,
+// projected back onto the field.
 mesh::SurfaceMesh polygonise(const Sculpture& sculpture, double spacing);
 
 struct PartMass {
   double mass = 0.0;  // volume, m^3
   Vector3d centre = Vector3d::Zero();
 };
-// The body's volume by joint, from samples `spacing` apart; `joints` is how many there are.
+// The body's volume by joint, from samples `spacing` apart; `joints` is the number of joints.
 std::vector<PartMass> masses_of_joints(const Sculpture& sculpture, std::size_t joints, double spacing);
 
-// Fills the character's joints and weights from its surface and skeleton: each vertex belongs to its nearest
-// part's joint, and the weights diffuse along the skin, over a width that grows with the distance to that
-// joint's bone (after "bone heat", Baran and Popovic 2007). At most 6 a vertex, in sum 1. Bones lead from a
-// joint to the joints below it.
+// Computes the character's joints and weights from its surface and skeleton. Each vertex belongs to its
+// nearest part's joint, and the weights diffuse along the skin, over a width that grows with the distance to
+// that joint's bone (after "bone heat", Baran and Popovic 2007). At most 6 per vertex, with sum 1. Bones run
+// from a joint to its child joints.
 void bind_skin(const Sculpture& sculpture, rig::Character& character);
 
 }  // namespace fascicle::made

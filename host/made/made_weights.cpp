@@ -23,7 +23,7 @@ double squared_distance(const Segment& bone, const Vector3d& point) {
   return (from - t * axis).squaredNorm();
 }
 
-// Of each joint: the segments to the joints below it; a point where there are none.
+// For each joint, the segments to its child joints; a point if it has none.
 std::vector<std::vector<Segment>> bones_of_joints(const std::vector<rig::Joint>& skeleton) {
   std::vector<std::vector<Segment>> bones(skeleton.size());
   for (const rig::Joint& joint : skeleton)
@@ -46,7 +46,7 @@ void keep_largest(const std::vector<double>& all, std::array<std::uint32_t, 8>& 
             [&](std::uint32_t a, std::uint32_t b) { return all[a] != all[b] ? all[a] > all[b] : a < b; });
   joints = {};
   weights = {};
-  // What the largest of those left out has is taken from all: so a joint comes and goes without a step.
+  // Subtracts the largest weight left out from all, so that joints enter and leave without a jump.
   const std::size_t kept = std::min(most_joints_a_vertex, order.size());
   const double threshold = kept < order.size() ? all[order[kept]] : 0.0;
   double sum = 0.0;
@@ -69,7 +69,7 @@ void bind_skin(const Sculpture& sculpture, rig::Character& character) {
   // with heat = tightness (edge / distance to the bone)^2, by Gauss-Seidel. After this many sweeps the
   // weights change by less than 1e-3 where the body is thickest.
   constexpr double tightness = 2.0;
-  constexpr double most_heat = 0.2;  // a change-over takes some edges, however thin the limb
+  constexpr double most_heat = 0.2;  // spreads a transition over several edges, however thin the limb
   constexpr int sweeps = 80;
   std::vector<std::vector<double>> weights(vertices.size(), std::vector<double>(joints, 0.0));
   std::vector<std::size_t> own(vertices.size());
