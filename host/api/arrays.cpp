@@ -1,4 +1,4 @@
-// A model as named arrays, there and back.
+// A model as named arrays, and back.
 #include <array>
 #include <cstring>
 #include <map>
@@ -25,7 +25,7 @@ bool is_of_probes(std::string_view name) {
   return name.starts_with("probe");
 }
 
-// One entry a field; those of a list of structs are joined, field by field.
+// One array per field; for a list of structs, the values of each field are concatenated.
 class Lister {
  public:
   explicit Lister(Body& body) : body_(body) {}
@@ -61,7 +61,7 @@ class Lister {
     body_.arrays.push_back({body_.bytes.back().c_str(), type_of<T>(), sizeof(T), count, data});
   }
 
-  // Another layer's value behind those before.
+  // Appends another layer's value to the previous ones.
   void join(const std::string& name, fascicle_type type, std::size_t item, const void* data,
             std::size_t count) {
     if (is_of_probes(name)) return;
@@ -101,7 +101,7 @@ class Taker {
   template <class T>
   void operator()(const char* name, T& value) {
     if (Given* given = find<T>(name)) {
-      // Bytes of anything but 0 and 1 are no truth value, and no enumerator's number is above 1.
+      // A bool must be 0 or 1, and no enumerator has a value above 1.
       if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
         std::conditional_t<std::is_enum_v<T>, std::uint32_t, std::uint8_t> number = 0;
         next(*given, &number, sizeof number, 1);

@@ -19,7 +19,7 @@ static_assert(std::string_view(FASCICLE_VERSION_STRING) == base::fascicle_versio
 static_assert(FASCICLE_VERSION_MAJOR < 1000 && FASCICLE_VERSION_MINOR < 1000 &&
               FASCICLE_VERSION_PATCH < 1000);
 
-// One a thread, as errno is. `shown` is `text`, or a text that takes no memory.
+// One per thread, like errno. `shown` is `text`, or a string literal if there was no memory.
 struct KeptMessage {
   std::string text;
   const char* shown = "";

@@ -1,4 +1,4 @@
-// What every function of the C API begins and ends with: no exception crosses, and arguments are checked.
+// What every function of the C API does on entry and exit: checks arguments and stops exceptions.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +24,10 @@ struct Cancelled : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Keeps the message for fascicle_last_message and returns the status. Where there is no memory for it, a
-// shorter one stands in.
+// Keeps the message for fascicle_last_message and returns the status. Substitutes a shorter message if memory
+// runs out.
 fascicle_status failed(fascicle_status status, const char* message) noexcept;
-// The same of the exception that is being handled.
+// The same for the exception being handled.
 fascicle_status failed_by_exception() noexcept;
 
 template <class Work>
@@ -40,7 +40,7 @@ fascicle_status guarded(Work&& work) noexcept {
   }
 }
 
-// The same of a function that makes a handle: `out` is null unless it succeeds.
+// The same for a function that creates a handle: `*out` is null unless it succeeds.
 template <class Handle, class Work>
 fascicle_status guarded_make(Handle** out, Work&& work) noexcept {
   if (out == nullptr) return failed(FASCICLE_BAD_ARGUMENT, "the pointer that is to get the handle is null");
@@ -48,7 +48,7 @@ fascicle_status guarded_make(Handle** out, Work&& work) noexcept {
   return guarded([&] { *out = work().release(); });
 }
 
-// The work's value, or null where it throws: of names that nobody needs a status of.
+// The work's value, or null if it throws: for names, for which nobody needs a status.
 template <class Work>
 const char* text_or_null(Work&& work) noexcept {
   try {
@@ -64,8 +64,8 @@ const Pointer& must_have(const Pointer& pointer, const char* name) {
   return pointer;
 }
 
-// Options as this library knows them: what the caller's headers did not have stays at its default. Each
-// struct has its fascicle_..._init, given here.
+// Options as this library knows them: fields that the caller's headers lack keep their defaults. `init` is
+// the struct's fascicle_..._init.
 template <class Options>
 Options taken(const Options* given, void (*init)(Options*, std::size_t), const char* name) {
   Options options;
@@ -80,7 +80,7 @@ Options taken(const Options* given, void (*init)(Options*, std::size_t), const c
   return options;
 }
 
-// What an _init does: as much of `defaults` as the caller's headers have.
+// Implements an _init: copies as much of `defaults` as the caller's headers have.
 template <class Options>
 void fill(Options* options, std::size_t struct_size, Options defaults) {
   if (options == nullptr) return;
@@ -89,7 +89,7 @@ void fill(Options* options, std::size_t struct_size, Options defaults) {
   std::memcpy(options, &defaults, std::min(struct_size, sizeof defaults));
 }
 
-// Of the CPU solver, where the program has the same limit. Throws BadArgument.
+// For the CPU solver; the command line has the same limit. Throws BadArgument.
 inline void check_threads(std::uint32_t threads) {
   if (threads > 1024)
     throw BadArgument("options.threads is " + std::to_string(threads) + "; it must be from 0 to 1024");
@@ -99,9 +99,9 @@ inline void check_threads(std::uint32_t threads) {
 inline std::string text_of(const char* text) {
   return text == nullptr ? std::string() : std::string(text);
 }
-// `count` texts. Throws BadArgument where one is null.
+// `count` strings. Throws BadArgument if one is null.
 std::vector<std::string> texts_of(const char* const* texts, std::size_t count, const char* name);
-// NULL: the program's; "": none.
+// NULL: the program's default; "": none.
 std::filesystem::path cache_of(const char* cache);
 pipeline::Say say_to(fascicle_log_function* log, void* user);
 

@@ -1,5 +1,5 @@
-// What stands behind the C API's handles. Each shares what it needs, so that they may be destroyed in any
-// order.
+// The structs behind the C API's handles. Each shares ownership of what it needs, so that handles may be
+// destroyed in any order.
 #pragma once
 
 #include <cstdint>
@@ -20,20 +20,19 @@
 
 namespace fascicle::api {
 
-// A model with the scene that it was built of; without one, and without substeps, where it was given as
-// arrays.
+// A model with the scene it was built from. A model given as arrays has no scene and no substeps.
 struct Body {
   std::optional<const scene::Scene> scene;
-  std::uint32_t substeps = 0;  // of a frame
+  std::uint32_t substeps = 0;  // per frame
   model::Model model;
   model::SolverOptions options;
-  std::vector<fascicle_array> arrays;  // views into the model and into `texts`
-  std::deque<std::string> bytes;       // of what the model does not hold in one piece
+  std::vector<fascicle_array> arrays;  // views into the model and into `bytes`
+  std::deque<std::string> bytes;       // names, and values that the model does not store contiguously
 };
 
 // Fills `arrays`; the body must not move afterwards.
 void list_arrays(Body& body);
-// The inverse. Throws BadArgument for names, types and counts that fit no model.
+// The inverse. Throws BadArgument for names, types and counts that do not match a model.
 model::Model model_of_arrays(const fascicle_array* arrays, std::size_t count);
 
 }  // namespace fascicle::api
@@ -67,6 +66,6 @@ struct fascicle_solver {
   std::optional<fascicle::drive::PoseDrive> poses;
   Driven driven = Driven::no;
   std::uint64_t frame = 0;
-  double time = 0.0;               // s, of the scene, at the frame's end
-  fascicle::model::Frame shown{};  // the frame that it is at
+  double time = 0.0;               // s; scene time at the end of the frame
+  fascicle::model::Frame shown{};  // the current frame
 };

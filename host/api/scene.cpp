@@ -71,7 +71,7 @@ fascicle_status fascicle_scene_parse(const char* text, const char* folder,
     const auto taken = api::taken(options, fascicle_scene_options_init, "options");
     auto made = std::make_unique<fascicle_scene>(fascicle_scene{
         scene::parse_scene({"scene", "text", text, api::text_of(folder)}, api::overrides_of(taken))});
-    // As of a scene file: what was read goes first.
+    // As for a scene file: the source comes first.
     auto& hashes = made->scene.input_hashes;
     hashes.insert(hashes.begin(), {"text", scene::hash_of(text)});
     return made;

@@ -50,8 +50,8 @@ void stand_at_rest(fascicle_solver& solver) {
   show(solver, rest);
 }
 
-// Frame 0 of what drives from now on, at the state that `state_of_start` makes. Where that fails the solver
-// is at rest and follows nothing: what it followed before is half stepped by then.
+// Starts at frame 0 of a new driver, from the state that `state_of_start` computes. If that fails, the solver
+// is at rest with no driver, because it has already been partly stepped.
 template <class Work>
 void start(fascicle_solver& solver, Driven driven, Work&& state_of_start) {
   try {
@@ -77,7 +77,7 @@ drive::Pose pose_of(const double* joints, std::size_t joint_count) {
         if (!std::isfinite(x)) throw BadArgument("joint " + std::to_string(j) + " of the pose is not finite");
         pose[j](row, column) = x;
       }
-  constexpr double rounding = 1e-6;  // of maps that were mixed or inverted, also in floats
+  constexpr double rounding = 1e-6;  // for maps that were blended or inverted, possibly in floats
   for (std::size_t j = 0; j < joint_count; ++j)
     if ((pose[j].row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).cwiseAbs().maxCoeff() > rounding)
       throw BadArgument("joint " + std::to_string(j) +
@@ -91,7 +91,7 @@ void check_count(std::size_t given, std::size_t wanted, const char* what) {
                       std::to_string(wanted));
 }
 
-// `wanted` of them, or it throws before anything is read; the structs are of floats alone.
+// Checks that there are `wanted` items before reading any. The structs consist of floats only.
 template <class Item>
 std::vector<Item> items_of(const float* values, std::size_t count, std::size_t wanted, const char* name,
                            const char* count_name) {

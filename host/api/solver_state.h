@@ -1,4 +1,4 @@
-// A solver's history as bytes, and what it shows.
+// A solver's state as bytes, and the frame it shows.
 #pragma once
 
 #include "host/api/handles.h"
@@ -7,7 +7,7 @@ namespace fascicle::api {
 
 // Throws bake::NotFinite.
 void check_finite(const std::vector<float>& positions, std::uint64_t frame);
-// The frame that `state` stands at. Throws bake::NotFinite, and then shows what it did before.
+// Shows the frame of `state`. If it throws bake::NotFinite, the shown frame is unchanged.
 void show(fascicle_solver& solver, const model::State& state);
 
 }  // namespace fascicle::api
