@@ -41,7 +41,7 @@ class Words {
     return value;
   }
 
-  // A count of entries with `words_each` words; TetGen counts their numbers with int.
+  // A count of entries of `words_each` words; TetGen counts their numbers with int.
   int count(int words_each) {
     const int value = number<int>();
     const auto rest = static_cast<long long>(text_.size() - at_);

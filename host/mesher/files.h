@@ -1,4 +1,4 @@
-// The files fascicle-mesher reads and writes: plain, strict, in no locale.
+// The files that fascicle-mesher reads and writes: strict, and independent of the locale.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace fascicle::mesher {
 
-// Ends the program with this exit status after its text went to stderr.
+// Ends the program with this exit status after printing the text to stderr.
 struct Failure : std::runtime_error {
   Failure(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
   int exit_code;
@@ -32,7 +32,7 @@ struct Volume {
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
-// With all digits.
+// With full precision.
 std::string text_of(const Volume& volume);    // MEDIT .mesh
 std::string text_of(const Surface& surface);  // OFF
 

@@ -1,4 +1,4 @@
-// Pairs of triangles that cross, found by exact predicates over a sweep of boxes.
+// Finds pairs of intersecting triangles with exact predicates, after a sweep of bounding boxes.
 #include <algorithm>
 #include <iterator>
 #include <vector>
@@ -20,11 +20,11 @@ struct Triangle {
   std::array<Corner, 3> place;
 
   Kernel::Triangle_3 whole() const { return {place[0], place[1], place[2]}; }
-  // The side across from corner k.
+  // The side opposite corner k.
   Kernel::Segment_3 side(std::size_t k) const { return {place[(k + 1) % 3], place[(k + 2) % 3]}; }
 };
 
-// Corners that both have, as pairs of their places in the triangles.
+// Corners that both triangles have, as pairs of positions in them.
 std::vector<std::array<std::size_t, 2>> shared_corners(const Triangle& a, const Triangle& b) {
   std::vector<std::array<std::size_t, 2>> shared;
   for (std::size_t i = 0; i < 3; ++i)
@@ -40,7 +40,7 @@ bool cross(const Triangle& a, const Triangle& b) {
     return CGAL::do_intersect(a.side(shared[0][0]), b.whole()) ||
            CGAL::do_intersect(b.side(shared[0][1]), a.whole());
   if (shared.size() == 2) {
-    // Folded onto each other: in one plane, with their free corners on one side of the shared edge.
+    // Folded onto each other: coplanar, with their free corners on the same side of the shared edge.
     const std::size_t free_a = 3 - shared[0][0] - shared[1][0];
     const std::size_t free_b = 3 - shared[0][1] - shared[1][1];
     const Corner &p = a.place[shared[0][0]], &q = a.place[shared[1][0]];
@@ -64,7 +64,7 @@ std::vector<std::array<int, 2>> intersecting_triangles(const Surface& surface, s
       const Point& p = surface.vertices[static_cast<std::size_t>(corners[k])];
       triangle.place[k] = Corner(p[0], p[1], p[2]);
     }
-    // A triangle without area has no inside to cross; the report names it on its own.
+    // A degenerate triangle has no interior to cross; the report lists it separately.
     if (!CGAL::collinear(triangle.place[0], triangle.place[1], triangle.place[2]))
       boxes.emplace_back(triangle.whole().bbox(), static_cast<int>(triangles.size()));
     triangles.push_back(triangle);

@@ -1,4 +1,4 @@
-// fascicle-mesher: says what is wrong with surfaces, wraps them, and fills closed ones with tetrahedra.
+// fascicle-mesher: reports what is wrong with surfaces, wraps them, and fills closed ones with tetrahedra.
 #include <charconv>
 #include <cmath>
 #include <csignal>
@@ -110,12 +110,12 @@ Options parse_options(const std::vector<std::string>& arguments, std::size_t fil
   return options;
 }
 
-// The files are strangers', and TetGen and CGAL were not written for such.
+// The files are untrusted, and TetGen and CGAL were not written for untrusted input.
 void enter_sandbox(const Options& options) {
   base::enter_sandbox({options.input, options.points}, options.output);
 }
 
-// Reads and computes in the sandbox, and writes what `text` gives.
+// Reads and computes in the sandbox, then writes the result of `text`.
 template <class Text>
 void write_from_sandbox(const Options& options, const Text& text) {
   try {
@@ -141,7 +141,7 @@ void run_tetrahedralize(const Options& options) {
 }
 
 void run_intersections(const Options& options) {
-  // Files of no name lie in a folder that is closed to the sandbox.
+  // Opened before the sandbox, which does not allow temporary files.
   std::FILE* const listed = std::tmpfile();
   if (listed == nullptr) throw Failure(cannot_write, "no temporary file");
   enter_sandbox(options);
@@ -184,8 +184,8 @@ int run(const std::vector<std::string>& arguments) {
   return done;
 }
 
-// What is closed of standard input, output and error goes to /dev/null: else the next files that are opened
-// would have their numbers. A file that outgrows the limit on files cannot be written, as on a full disk.
+// Opens standard input, output and error on /dev/null if they are closed: otherwise the next files opened
+// would get their numbers. Makes a write beyond the file size limit fail, as on a full disk.
 void prepare() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(EXIT_FAILURE);
@@ -197,7 +197,7 @@ void prepare() {
 
 int main(int argument_count, char** arguments) {
   fascicle::mesher::prepare();
-  // Only Failure is caught: what TetGen throws must reach the terminate handler (tetgen_run.h).
+  // Catches only Failure: exceptions from TetGen must reach the terminate handler (tetgen_run.h).
   fascicle::mesher::install_terminate_handler("");
   try {
     return fascicle::mesher::run(std::vector<std::string>(arguments + 1, arguments + argument_count));

@@ -12,7 +12,7 @@ namespace {
 
 struct HalfEdge {
   int low = 0, high = 0;
-  bool is_forward = false;  // its triangle passes it from low to high
+  bool is_forward = false;  // its triangle traverses it from low to high
 };
 
 void check_triangles(const Surface& surface) {

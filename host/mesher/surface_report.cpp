@@ -18,7 +18,7 @@ void note(Finding& finding, std::initializer_list<int> vertices) {
   if (finding.count++ < most_places) finding.vertices.insert(finding.vertices.end(), vertices);
 }
 
-// Sets of numbers that are joined step by step.
+// Union-find over numbers.
 class Unions {
  public:
   explicit Unions(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -26,7 +26,7 @@ class Unions {
     while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
     return i;
   }
-  // The lowest number of a set stands for it.
+  // The lowest number represents a set.
   void join(int i, int j) {
     const auto [low, high] = std::minmax({find(i), find(j)});
     parent_[at(high)] = low;
@@ -63,15 +63,15 @@ double six_volumes(const Point& a, const Point& b, const Point& c) {
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-// Counts in each part what its genus, closedness and facing follow from.
+// Counts per part, from which genus, closedness and orientation follow.
 struct Part {
   long long vertices = 0, edges = 0, triangles = 0;
   double six_volumes = 0.0;
-  bool is_closed = true;  // and manifold, and consistently turned
+  bool is_closed = true;  // and manifold, and consistently oriented
 };
 
-// Fans: triangles around a vertex that are joined by edges at it. More than one is a point where parts of the
-// surface meet. Corners are numbered 3 x triangle + place.
+// A fan is a set of triangles around a vertex, connected by edges at it. With more than one fan, parts of the
+// surface meet only at the vertex. Corners are numbered 3 x triangle + position.
 std::vector<int> pinched_vertices(const Surface& surface, const std::vector<EdgeOfTriangle>& edges) {
   Unions corners(3 * surface.triangles.size());
   const auto corner_at = [&](int triangle, int vertex) {
@@ -126,7 +126,7 @@ SurfaceReport report_surface(const Surface& surface) {
   for (const auto& t : surface.triangles) {
     Part& part = parts[joined.find(t[0])];
     ++part.triangles;
-    // About a corner of the part, so that a part far from the origin keeps its digits.
+    // Relative to a corner of the part, so that a part far from the origin keeps its precision.
     const Point& origin = surface.vertices[static_cast<std::size_t>(joined.find(t[0]))];
     std::array<Point, 3> p;
     for (std::size_t k = 0; k < 3; ++k)

@@ -15,7 +15,7 @@
 namespace fascicle::mesher {
 namespace {
 
-// A terminate handler is given nothing, so what it needs cannot be anywhere else.
+// A terminate handler receives no context, so its data must be global.
 std::string& part_to_remove() {
   static std::string part;
   return part;
@@ -24,7 +24,7 @@ std::string& part_to_remove() {
 [[noreturn]] void leave(int code, const char* what) {
   std::fprintf(stderr, "fascicle-mesher: %s\n", what);
   if (!part_to_remove().empty()) ::unlink(part_to_remove().c_str());
-  // No exit handlers: TetGen's memory is in an unknown state.
+  // Skips exit handlers: TetGen's memory is in an unknown state.
   _exit(code);
 }
 
@@ -32,7 +32,7 @@ std::string& part_to_remove() {
   try {
     const std::exception_ptr thrown = std::current_exception();
     if (thrown) std::rethrow_exception(thrown);
-  } catch (int reason) {  // terminatetetgen() in tetgen.h names them
+  } catch (int reason) {  // see terminatetetgen() in tetgen.h
     switch (reason) {
       case 1:
         leave(out_of_memory, "TetGen ran out of memory");
@@ -56,7 +56,7 @@ std::string& part_to_remove() {
   leave(tetgen_failed, "TetGen failed");
 }
 
-// tetgenio frees what it holds with delete[].
+// tetgenio frees its arrays with delete[].
 void set_surface(tetgenio& io, const Surface& surface, const std::vector<Point>& inside) {
   io.numberofpoints = static_cast<int>(surface.vertices.size() + inside.size());
   io.pointlist = new double[3 * (surface.vertices.size() + inside.size())];
@@ -87,7 +87,7 @@ tetgenbehavior parsed(std::string switches) {
   return behavior;
 }
 
-// Sends what is written to stdout into a file while it lives.
+// Redirects stdout into a file during its lifetime.
 class CapturedStdout {
  public:
   explicit CapturedStdout(std::FILE* file) : file_(file) {
@@ -105,7 +105,7 @@ class CapturedStdout {
     }
   }
 
-  // The facets of the first line "  Facet #A VERB facet #B at ...", as TetGen's -d writes it.
+  // The facets of the first line "  Facet #A VERB facet #B at ...", as printed by TetGen's -d.
   std::optional<std::array<int, 2>> first_pair() {
     std::fflush(stdout);
     std::rewind(file_);
@@ -134,7 +134,7 @@ Volume fill(const Surface& surface, const std::vector<Point>& inside, double max
   tetgenio out;
   set_surface(in, surface, inside);
   // p: a surface. q: quality. Y: no new points on the surface. M: flat neighbours are not merged, so that no
-  // edge of the surface flips. J: no point is left out, so that the numbers stay. Q: quiet.
+  // edge of the surface flips. J: no point is dropped, so that vertex numbers stay. Q: quiet.
   tetgenbehavior behavior = parsed("pqYMJQ");
   behavior.minratio = quality;
   if (max_volume > 0.0) {

@@ -24,10 +24,10 @@ namespace processing = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// Vertices of a filled surface: those on it, 2/sqrt(3) of an equilateral triangle's side squared for each,
-// and those inside. TetGen's tetrahedra of edge e hold one vertex in about e^3/2.12; the cubic term is for
-// the surface moved inward by half an edge, where the inner vertices begin. Measured on the heavy MakeHuman
-// body at edges of 15, 20 and 30 mm.
+// The number of vertices of a filled surface: on the surface, one per area 1/1.1547 of the squared edge, as
+// with equilateral triangles; inside, where TetGen's tetrahedra of edge e hold one vertex per e^3/2.12. The
+// volume term is for the surface moved inward by half an edge, where the inner vertices start. Measured on
+// the heavy MakeHuman body at edges of 15, 20 and 30 mm.
 double vertices_at(double area, double volume, double edge) {
   constexpr double per_area = 1.1547;
   constexpr double per_volume = 2.12;
@@ -35,7 +35,7 @@ double vertices_at(double area, double volume, double edge) {
   return per_area * area / (edge * edge) + per_volume * inner / (edge * edge * edge);
 }
 
-// The edge at which vertices_at() is `vertices`; it falls with the edge, so halving finds it.
+// The edge at which vertices_at() equals `vertices`, by bisection: the number falls as the edge grows.
 double edge_for(double area, double volume, double vertices) {
   double low = 0.0;
   double high = std::sqrt(area);
@@ -64,10 +64,10 @@ bool is_usable(const Mesh& mesh) {
   return mesh.number_of_faces() > 0 && CGAL::is_closed(mesh) && !processing::does_self_intersect(mesh);
 }
 
-// CGAL keeps edges between 4/5 and 4/3 of its target, and most are below it.
+// CGAL keeps edges between 4/5 and 4/3 of its target, and most are shorter than the target.
 constexpr double target_of_edge = 1.09;
 
-// Nothing keeps CGAL's remeshing from making a thin part cross itself. A finer try keeps more of such parts.
+// CGAL's remeshing may make a thin part intersect itself. A finer target preserves more such parts.
 std::optional<Mesh> remeshed(const Mesh& wrap, double edge) {
   for (const double part : {1.0, 0.8, 0.6}) {
     Mesh mesh = wrap;
@@ -108,12 +108,13 @@ Surface wrap(const Surface& surface, const WrapSettings& settings) {
                                       : edge_for(processing::area(mesh), processing::volume(mesh),
                                                  static_cast<double>(*settings.vertices));
     if (const auto found = remeshed(mesh, edge)) return as_surface(*found);
-    // Sheets thinner than the triangles cannot be remeshed; a wrap as thick as them can.
+    // Sheets thinner than the triangles cannot be remeshed. A new wrap, offset by a third of an edge, makes
+    // them thicker.
     constexpr double offset_in_edges = 1.0 / 3.0;
     const double offset = std::max(settings.offset, offset_in_edges * edge);
     if (const auto found = remeshed(wrapped(surface, edge, offset), edge)) return as_surface(*found);
     throw Failure(wrap_failed, "the wrapped surface crosses itself at triangles of that size");
-  } catch (const std::logic_error& error) {  // how CGAL reports a broken precondition
+  } catch (const std::logic_error& error) {  // how CGAL reports a violated precondition
     throw Failure(wrap_failed, std::string("CGAL gave up: ") + error.what());
   }
 }
