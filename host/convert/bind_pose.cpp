@@ -1,5 +1,4 @@
-// The pose in which the skins were bound. FBX nodes stand where the file was saved, often in the midst of a
-// clip.
+// Restores the bind pose. FBX nodes have the pose in which the file was saved, often in the middle of a clip.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +11,7 @@ namespace {
 
 struct Bound {
   std::size_t node = 0, mesh_node = 0;
-  Matrix offset;  // from the space of the mesh's node to that of the bone, when bound
+  Matrix offset;  // from the space of the mesh's node to that of the bone, in the bind pose
 };
 
 std::vector<Bound> bound_nodes(const Character& character) {
@@ -22,14 +21,15 @@ std::vector<Bound> bound_nodes(const Character& character) {
       for (unsigned b = 0; b < mesh->mNumBones; ++b) {
         const std::size_t node = find_node(character, mesh->mBones[b]->mName.C_Str());
         const Matrix offset = bind_offset(character.nodes[m], *mesh->mBones[b]);
-        // Written so that what is not a number is left out too.
+        // Written so that NaN is skipped too.
         if (node < character.nodes.size() && offset.allFinite() && std::abs(offset.determinant()) > 1e-30)
           result.push_back({node, m, offset});
       }
   return result;
 }
 
-// Whether one matrix takes all of the skin of every mesh from where it was bound to where the nodes stand.
+// Whether, for every mesh, one matrix maps the whole skin from the bind pose to the current pose of the
+// nodes.
 bool is_bound_here(const std::vector<Bound>& bound, const std::vector<Matrix>& global) {
   double size = 0.0, most_off = 0.0, most_turned = 0.0;
   for (const Bound& each : bound)
@@ -45,7 +45,7 @@ bool is_bound_here(const std::vector<Bound>& bound, const std::vector<Matrix>& g
                                             std::max(there.topLeftCorner<3, 3>().norm(), 1e-30));
     most_off = std::max(most_off, (here - there).topRightCorner<3, 1>().norm());
   }
-  // Of single precision through a chain of joints; a pose differs by far more.
+  // Single-precision error through a chain of joints; another pose differs by far more.
   constexpr double rounding = 1e-3;
   return most_turned < rounding && most_off <= rounding * size;
 }

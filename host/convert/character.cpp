@@ -17,7 +17,7 @@ bool is_geometric(const std::string& component) {
   return component.rfind("Geometric", 0) == 0;
 }
 
-// What stands between a node and its children to take back what places its mesh.
+// Nodes between a node and its children that cancel the placement of its mesh.
 bool is_taken_back(const std::string& component) {
   constexpr const char* ending = "Inverse";
   return is_geometric(component) && component.size() > 7 &&
@@ -26,11 +26,11 @@ bool is_taken_back(const std::string& component) {
 
 class Walker {
  public:
-  // `has_links`: names with the mark are those of links. In files other than FBX they are names like others.
+  // `has_links`: names with the mark denote links. In formats other than FBX they are ordinary names.
   Walker(const aiScene& scene, bool has_links, std::vector<Node>& nodes)
       : scene_(scene), has_links_(has_links), nodes_(nodes) {}
 
-  // On a stack of its own: files nest as deep as they like.
+  // Uses an explicit stack, because files may nest arbitrarily deep.
   void run() {
     stack_.push_back({scene_.mRootNode, -1, {}});
     while (!stack_.empty()) {
@@ -85,7 +85,7 @@ class Walker {
   std::vector<Step> stack_;
 };
 
-// From an FBX file's axes and unit to metres, right-handed, Y up. The front follows from the other two.
+// Maps an FBX file's axes and unit to metres, right-handed, Y up. The front axis follows from the other two.
 Matrix world_of(const aiScene& scene, std::vector<std::string>& notes) {
   std::int32_t up = 1, right = 0, up_sign = 1, right_sign = 1;
   float unit = 1.0f;  // cm
@@ -113,14 +113,14 @@ Matrix world_of(const aiScene& scene, std::vector<std::string>& notes) {
   return world;
 }
 
-// Blender's Collada has bones bound in the world, but a mesh only in the space of its parent.
+// In Blender's Collada files, bones are bound in world space, but a mesh in its parent's space.
 void mend_blender(const aiScene& scene, std::vector<Node>& nodes) {
   aiString tool;
   if (scene.mMetaData == nullptr || !scene.mMetaData->Get(AI_METADATA_SOURCE_GENERATOR, tool) ||
       std::string(tool.C_Str()).rfind("Blender", 0) != 0) {
     return;
   }
-  // Node 0 turns the file's axes and unit, of which its own numbers know nothing.
+  // Node 0 converts the file's axes and unit, which the file's own numbers ignore.
   std::vector<Matrix> above{Matrix::Identity()};
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     above.push_back(Matrix::Identity());
@@ -204,8 +204,8 @@ Character character_of(const aiScene& scene, bool is_fbx) {
   character.scene = &scene;
   Walker(scene, is_fbx, character.nodes).run();
   if (is_fbx) {
-    // The node above all is assimp's own, and a file may have one of the same name. What assimp made of the
-    // axes and the unit differs by version.
+    // The root node is assimp's own, and the file may have a node of the same name. What assimp does with
+    // axes and unit depends on its version.
     character.nodes[0].name.clear();
     character.nodes[0].local = world_of(scene, character.notes);
   }

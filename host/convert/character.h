@@ -1,5 +1,5 @@
-// A scene as assimp gives it, set straight: one node for each of the file's, metres and Y up, keys in
-// seconds, the pose that the skins were bound in at rest.
+// A scene from assimp, normalised: one node for each of the file's, metres and Y up, keys in seconds, and the
+// bind pose at rest.
 #pragma once
 
 #include <cstddef>
@@ -23,27 +23,27 @@ struct Parts {
 
 Matrix matrix_of(const aiMatrix4x4& m);
 Matrix matrix_of(const Parts& parts);
-// The nearest there is: shear is lost.
+// The nearest decomposition: shear is lost.
 Parts parts_of(const Matrix& matrix);
 
-// One factor of a node's transform in an FBX file. Assimp makes a node of each.
+// One factor of a node's transform in an FBX file. Assimp makes each a node.
 struct Link {
-  std::string name;       // as clips call it
+  std::string name;       // the name used by clips
   std::string component;  // "Translation", "PreRotation", ...
   Matrix matrix = Matrix::Identity();
 };
 
 struct Node {
   std::string name;
-  int parent = -1;  // parents stand before their children
+  int parent = -1;  // parents come before their children
   Matrix local = Matrix::Identity();
-  std::vector<Link> chain;               // whose product `local` is; none: it is one transform
-  Matrix geometry = Matrix::Identity();  // places the meshes, but not what stands below
-  Matrix mended = Matrix::Identity();    // what the offsets of the meshes' bones lack, at their right
+  std::vector<Link> chain;               // factors of `local`; empty: it is a single transform
+  Matrix geometry = Matrix::Identity();  // places the meshes, but not the child nodes
+  Matrix mended = Matrix::Identity();    // correction of the bones' offset matrices, multiplied on the right
   std::vector<const aiMesh*> meshes;
 };
 
-// Values at times, s. Linear in between.
+// Values at times, s, linearly interpolated.
 struct Track {
   std::size_t node = 0;
   std::vector<double> times;
@@ -53,7 +53,7 @@ struct Track {
 struct ShapeTrack {
   std::size_t node = 0;
   std::vector<double> times;
-  std::vector<std::vector<double>> weights;  // at a time: of each shape
+  std::vector<std::vector<double>> weights;  // per time: the weight of each shape
 };
 
 struct Clip {
@@ -67,24 +67,24 @@ struct Character {
   std::vector<Node> nodes;
   std::unordered_map<std::string, std::vector<std::size_t>> by_name;
   std::vector<Clip> clips;
-  std::vector<std::string> notes;  // what was lost on the way
+  std::vector<std::string> notes;  // what was lost in the conversion
 };
 
-// `is_fbx`: the scene's axes, unit and chains are those of an FBX file.
+// `is_fbx`: the scene has an FBX file's axes, unit and chains.
 Character character_of(const aiScene& scene, bool is_fbx);
 
-// From the space of the node's meshes to that of a bone, when they were bound.
+// Maps the space of the node's meshes to that of a bone, in the bind pose.
 Matrix bind_offset(const Node& node, const aiBone& bone);
 
-// The node that clips and skins call by this name, or nodes.size().
+// The node that clips and skins refer to by this name, or nodes.size().
 std::size_t find_node(const Character& character, const std::string& name);
 
 std::vector<Matrix> global_transforms(const std::vector<Node>& nodes);
 
-// The steps of character_of after the nodes.
+// The steps of character_of after the nodes are read.
 void add_clips(Character& character, bool is_fbx);
-// Where the nodes stand in another pose than the skins were bound in, puts them there; clips that do not move
-// a node so moved get its place as a key.
+// If the nodes are not in the bind pose, moves them there. Clips without a track for a moved node get its
+// original pose as a key.
 void rest_in_bind_pose(Character& character);
 
 }  // namespace fascicle::convert

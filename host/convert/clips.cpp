@@ -1,4 +1,4 @@
-// Clips: keys of assimp's channels as tracks of whole nodes.
+// Clips: converts the keys of assimp's channels to tracks of whole nodes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,7 +31,7 @@ Eigen::Vector3d between(const Eigen::Vector3d& a, const Eigen::Vector3d& b, doub
   return a + share * (b - a);
 }
 
-// At a time in ticks; `otherwise` where there are no keys.
+// The value at a time in ticks; `otherwise` if there are no keys.
 template <typename Key, typename Value>
 Value sample(const Key* keys, unsigned count, double time, const Value& otherwise) {
   if (count == 0 || keys == nullptr) return otherwise;
@@ -62,24 +62,25 @@ void add_times(const aiNodeAnim& channel, std::set<double>& times) {
 
 constexpr double most_samples = 1e6;
 
-// A chain turns around pivots: between two keys a node then moves on an arc, which its own keys must follow.
+// A chain rotates about pivots, so a node moves on an arc between two keys, and its linear keys must sample
+// that arc.
 void fill_gaps(std::set<double>& times) {
   if (times.empty() || *times.rbegin() - *times.begin() > most_samples) return;
   std::set<double> between_keys;
   for (auto after = std::next(times.begin()); after != times.end(); ++after) {
     const double from = *std::prev(after), span = *after - from;
-    const double steps = std::ceil(span - 1e-3);  // one a frame
+    const double steps = std::ceil(span - 1e-3);  // one per frame
     for (double k = 1.0; k < steps; k += 1.0) between_keys.insert(from + span * k / steps);
   }
   times.merge(between_keys);
 }
 
-// The channels of a node's chain, by their names, or of the node itself.
+// The channels of a node's links, or of the node itself, by name.
 using Channels = std::unordered_map<std::string, const aiNodeAnim*>;
 
-// Assimp 5.2 turns a whole channel by the rotation after the node's own, where the file means its inverse,
-// and where it makes links of the node it does so already. Other versions were not looked at; CMakeLists.txt
-// bounds them.
+// Assimp 5.2 multiplies a whole channel by the node's post-rotation instead of its inverse, but gets it right
+// when it splits the node into links. Applying the inverse twice corrects this. Other versions were not
+// examined; CMakeLists.txt excludes them.
 Eigen::Quaterniond twice_undone(const Node& node) {
   for (const Link& link : node.chain)
     if (link.component == "PostRotation") {
@@ -103,7 +104,7 @@ Track whole_track(const Node& node, const aiNodeAnim& channel, double seconds) {
   return track;
 }
 
-// Of a link, a channel has only what the link is about.
+// A link's channel is only used for the component that the link represents.
 Matrix link_at(const Link& link, const aiNodeAnim& channel, double time) {
   Parts parts = parts_of(link.matrix);
   const Parts sampled = sample(channel, time, parts);
@@ -141,7 +142,7 @@ Track chained_track(const Node& node, const Channels& channels, double seconds) 
   return track;
 }
 
-// "Mesh*0", as FBX has it, or the node's name.
+// The name is "Mesh*0", as in FBX, or the node's name.
 std::size_t node_of(const Character& character, const aiMeshMorphAnim& channel) {
   std::string name = channel.mName.C_Str();
   name.resize(std::min(name.find('*'), name.size()));
@@ -153,7 +154,7 @@ std::size_t node_of(const Character& character, const aiMeshMorphAnim& channel) 
   return character.nodes.size();
 }
 
-// A key names only the shapes that have one there; the others are between theirs.
+// A key may list only some shapes; the others are interpolated between their own keys.
 ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, double seconds) {
   std::vector<std::map<double, double>> keys(shapes);
   std::set<double> times;
@@ -188,7 +189,7 @@ ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, doubl
   return track;
 }
 
-// `lost`: names of those that have no mesh.
+// `lost`: names of channels that have no mesh.
 void add_shape_tracks(const aiAnimation& animation, double seconds, const Character& character, Clip& clip,
                       std::set<std::string>& lost) {
   for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c) {
@@ -206,7 +207,7 @@ void add_shape_tracks(const aiAnimation& animation, double seconds, const Charac
   }
 }
 
-// Collada has one timeline; a clip begins with its first key.
+// Collada has one timeline; makes a clip start at its first key.
 void begin_at_zero(Clip& clip) {
   double first = std::numeric_limits<double>::infinity();
   for (const Track& track : clip.tracks) first = std::min(first, track.times.front());
@@ -223,7 +224,7 @@ void add_clips(Character& character, bool is_fbx) {
   std::set<std::string> lost_shapes;
   for (unsigned a = 0; a < character.scene->mNumAnimations; ++a) {
     const aiAnimation& animation = *character.scene->mAnimations[a];
-    constexpr double usual_rate = 25.0;  // where the file does not say; assimp's word
+    constexpr double usual_rate = 25.0;  // used if the file does not say; assimp's convention
     const double seconds = 1.0 / (animation.mTicksPerSecond > 0.0 ? animation.mTicksPerSecond : usual_rate);
     Channels channels;
     for (unsigned c = 0; c < animation.mNumChannels; ++c)

@@ -80,7 +80,7 @@ std::string glb_text(Document document) {
   document.binary.resize((document.binary.size() + 3) / 4 * 4);
   if (!document.binary.empty())
     document.json["buffers"] = json::array({{{"byteLength", document.binary.size()}}});
-  // Names come from files as they like.
+  // Names in files may be invalid UTF-8.
   std::string text = document.json.dump(-1, ' ', false, json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   std::string out;

@@ -1,4 +1,4 @@
-// glTF's JSON and its one buffer, as they grow.
+// glTF JSON and its one buffer, under construction.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ struct Document {
 };
 
 std::size_t add_view(Document& document, const void* data, std::size_t bytes);
-// Rows of `width` (1, 2, 3, 4 or 16) numbers. `with_bounds`: minimum and maximum, as positions and times
-// need.
+// Rows of `width` (1, 2, 3, 4 or 16) numbers. `with_bounds`: writes minimum and maximum, which positions and
+// times require.
 std::size_t add_accessor(Document& document, std::span<const float> values, int width,
                          bool with_bounds = false);
 std::size_t add_accessor(Document& document, std::span<const std::uint16_t> values, int width);
 std::size_t add_indices(Document& document, std::span<const std::uint32_t> values);
 
-// As a GLB. Takes what is there: the buffer is large.
+// Encodes as GLB. Takes the document by value, to be moved in: the buffer is large.
 std::string glb_text(Document document);
 
 }  // namespace fascicle::convert

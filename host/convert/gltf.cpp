@@ -30,7 +30,7 @@ json node_of(const Node& node) {
 void add_nodes(Character& character, Document& document) {
   json& nodes = document.json["nodes"];
   json tops = json::array();
-  // Nodes of the scene come first and keep their numbers; those that place meshes come after.
+  // The scene's nodes come first and keep their numbers; nodes that only place meshes follow.
   for (std::size_t n = 0; n < character.nodes.size(); ++n) {
     nodes.push_back(node_of(character.nodes[n]));
     const int parent = character.nodes[n].parent;
@@ -59,10 +59,10 @@ void add_nodes(Character& character, Document& document) {
   if (!has_mesh) throw Failure(unreadable, "holds no mesh of polygons");
 }
 
-// glTF's times are single and rise.
+// glTF times are single precision and strictly increasing.
 struct Times {
   std::vector<float> seconds;
-  std::vector<std::size_t> key;  // of the track
+  std::vector<std::size_t> key;  // index in the track
 };
 
 Times times_of(const std::vector<double>& times) {
@@ -79,11 +79,11 @@ Times times_of(const std::vector<double>& times) {
 struct Moved {
   std::size_t node = 0;
   const char* path = "";
-  int width = 0;  // of a row in the output
+  int width = 0;  // numbers per output row
   std::vector<float> times, values;
 };
 
-// Nodes of the skeleton: those that skins know and all above; where there is no skin, all.
+// Nodes of the skeleton: joints of skins and their ancestors; without skins, all nodes.
 std::vector<bool> skeleton_of(const Character& character, const json& document) {
   const json skins = document.value("skins", json::array());
   std::vector<bool> result(character.nodes.size(), skins.empty());
@@ -94,8 +94,8 @@ std::vector<bool> skeleton_of(const Character& character, const json& document) 
   return result;
 }
 
-// A clip lasts to its last key, though what has it may stand still and be left out: what moves to the last
-// holds its value until then, or else a joint its rest.
+// A clip lasts until its last key, even if the track with that key is constant and left out. The track that
+// ends last is held until then; if there is none, a joint is held at rest.
 void last_until(float end, const Character& character, const json& document, std::vector<Moved>& moved) {
   const std::vector<bool> in_skeleton = skeleton_of(character, document);
   Moved* last = nullptr;
@@ -123,7 +123,7 @@ void write_clip(const std::string& name, const std::vector<Moved>& moved, Docume
   const std::vector<float>* last_times = nullptr;
   std::size_t input = 0;
   for (const Moved& each : moved) {
-    // Times that tracks share are written once.
+    // Consecutive tracks with equal times share one accessor.
     if (last_times == nullptr || each.times != *last_times)
       input = add_accessor(document, std::span<const float>(each.times), 1, true);
     last_times = &each.times;
@@ -137,7 +137,7 @@ void write_clip(const std::string& name, const std::vector<Moved>& moved, Docume
     document.json["animations"].push_back({{"name", name}, {"samplers", samplers}, {"channels", channels}});
 }
 
-// Rounding of single precision, of a rotation or relative to the size of what it is about.
+// Single-precision rounding: of a rotation, or relative to the size of the vector.
 constexpr double rounding = 1e-6;
 
 bool is_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -147,8 +147,8 @@ bool is_same(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm()) <= rounding;
 }
 
-// Assimp gives all three of a node that moves in one, and of nodes that a file keys without moving them. What
-// stays where the node rests is left out, and so such a node is none that a clip moves.
+// Assimp writes all three components for a node that moves in one, and for nodes that are keyed without
+// moving. Components that stay at rest are left out, so that a node that does not move has no channel.
 template <typename Value>
 void add_part(const Track& track, const Times& times, const Value& rest, Value Parts::*part, const char* path,
               std::vector<Moved>& moved) {

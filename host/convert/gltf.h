@@ -1,4 +1,4 @@
-// A character as glTF 2.0 in one file.
+// Converts a character to glTF 2.0 in one file.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace fascicle::convert {
 
-// Its bytes. Images are looked for beside `source`, and only named. Throws Failure where there are no
+// The file's bytes. Images are looked for beside `source` and only referenced. Throws Failure if there are no
 // triangles.
 std::string glb_of(Character& character, const std::filesystem::path& source);
 

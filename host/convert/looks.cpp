@@ -18,7 +18,7 @@ const char* mime_of(std::string_view bytes) {
   return nullptr;
 }
 
-// What a URI may not hold as it is.
+// Percent-encodes characters that a URI does not allow.
 std::string in_uri(const std::string& path) {
   constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.~/";
   constexpr std::string_view digits = "0123456789ABCDEF";
@@ -36,7 +36,7 @@ std::string in_uri(const std::string& path) {
   return result;
 }
 
-// Files name textures as they lay on the machine they were made on.
+// Files name textures by their paths on the machine where they were made.
 std::string found_beside(const fs::path& source, std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   const fs::path given(name);
@@ -58,13 +58,13 @@ class Images {
   Images(const aiScene& scene, const fs::path& source, Document& document, std::vector<std::string>& notes)
       : scene_(scene), source_(source), document_(document), notes_(notes) {}
 
-  // The glTF texture's number, or -1.
+  // The glTF texture's index, or -1.
   int texture(const std::string& name) {
     const auto [at, is_new] = texture_.emplace(name, -1);
     if (!is_new) return at->second;
     json image = {{"name", fs::path(name).filename().string()}};
     if (const aiTexture* held = scene_.GetEmbeddedTexture(name.c_str()); held != nullptr) {
-      // Height 0: a file of mWidth bytes.
+      // Height 0: an encoded image of mWidth bytes.
       const std::string_view bytes =
           held->mHeight == 0 && held->pcData != nullptr
               ? std::string_view(reinterpret_cast<const char*>(held->pcData), held->mWidth)
@@ -116,7 +116,7 @@ void add_materials(const aiScene& scene, const fs::path& source, Document& docum
     }
     aiColor4D colour(1.0f, 1.0f, 1.0f, 1.0f);
     if (texture >= 0) {
-      // Which stands in place of the colour.
+      // Replaces the colour.
       pbr["baseColorTexture"] = {{"index", texture}};
     } else if (material.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS && is_colour(colour)) {
       pbr["baseColorFactor"] = {colour.r, colour.g, colour.b, 1.0};

@@ -1,4 +1,4 @@
-// Materials: base colour and the texture that has it.
+// Materials: base colour and its texture.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 namespace fascicle::convert {
 
-// Adds one glTF material for each of the scene's. Textures inside the file come along; others are looked for
-// in the folder of `source`, and named even where they are not there.
+// Adds one glTF material for each of the scene's. Textures embedded in the file are copied; others are looked
+// for in the folder of `source`, and referenced even if they are missing.
 void add_materials(const aiScene& scene, const std::filesystem::path& source, Document& document,
                    std::vector<std::string>& notes);
 

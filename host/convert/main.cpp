@@ -1,4 +1,4 @@
-// fascicle-convert: characters of other formats as glTF, by assimp, in a process of its own.
+// fascicle-convert: converts characters in other formats to glTF with assimp, in a separate process.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -68,7 +68,7 @@ std::string extension_of(const fs::path& path) {
   return extension.substr(1);
 }
 
-// Of all formats that assimp guesses by content only the one asked for is left: others open further files.
+// Assimp guesses formats by content. Keeps only the one asked for, because others open further files.
 void keep_only(Assimp::Importer& importer, const std::string& extension) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     const aiImporterDesc* description = importer.GetImporterInfo(i);
@@ -90,7 +90,7 @@ std::string glb_from(const fs::path& input) {
   const aiScene* scene =
       importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, extension.c_str());
   if (scene == nullptr || scene->mRootNode == nullptr) {
-    // It catches what it throws, and what it had no memory for would look like a bad file.
+    // Assimp catches exceptions; without this, running out of memory would look like a bad file.
     if (const std::exception_ptr& thrown = importer.GetException()) std::rethrow_exception(thrown);
     throw Failure(unreadable, importer.GetErrorString());
   }
@@ -120,7 +120,7 @@ void convert(const fs::path& input, const fs::path& output) {
   } catch (const std::system_error& error) {
     throw not_written(error);
   }
-  // The file is a stranger's, and assimp was not written for such.
+  // The file is untrusted, and assimp was not written for untrusted input.
   base::enter_sandbox({input.string()}, output.string());
   std::string glb;
   try {
@@ -154,8 +154,8 @@ int run(const std::vector<std::string>& arguments) {
   return done;
 }
 
-// What is closed of standard input, output and error goes to /dev/null: else the next files that are opened
-// would have their numbers. A file that outgrows the limit on files cannot be written, as on a full disk.
+// Opens standard input, output and error on /dev/null if they are closed: otherwise the next files opened
+// would get their numbers. Makes a write beyond the file size limit fail, as on a full disk.
 void prepare() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(EXIT_FAILURE);

@@ -11,19 +11,19 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t most_influences = 32;  // of a vertex
+constexpr std::size_t most_influences = 32;  // per vertex
 
 struct Influence {
   std::uint16_t slot;
   float weight;
 };
 
-// The joints of one node's skin, and where they held its meshes.
+// The joints of one node's skin, and their inverse bind matrices.
 class Skin {
  public:
   Skin(const Character& character, std::size_t node) : character_(character), node_(node) {}
 
-  // By bone, then by mesh: the same bone of two meshes that were bound apart is two slots.
+  // A slot per bone and bind matrix: a bone with different offsets in two meshes gets two slots.
   std::optional<std::uint16_t> slot_of(const aiBone& bone) {
     const std::size_t joint = find_node(character_, bone.mName.C_Str());
     if (joint == character_.nodes.size()) return std::nullopt;
@@ -90,9 +90,9 @@ void append_bytes(std::string& key, const T& value) {
   key.append(bytes, sizeof(T));
 }
 
-// One vertex for all corners that are the same in everything: assimp has one a corner.
+// Merges corners that are identical in every attribute into one vertex: assimp has a vertex per corner.
 struct Corners {
-  std::vector<unsigned> first;         // of a vertex: its first corner
+  std::vector<unsigned> first;         // per vertex: its first corner
   std::vector<std::uint32_t> indices;  // of triangles
 };
 
@@ -121,7 +121,7 @@ Corners join_corners(const aiMesh& mesh, const std::vector<std::vector<Influence
   };
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
-    // All polygons are triangles by now; what is not is a point or a line.
+    // Polygons are already triangulated; anything else is a point or a line.
     if (face.mNumIndices != 3 ||
         !std::all_of(face.mIndices, face.mIndices + 3, [&](unsigned i) { return i < mesh.mNumVertices; })) {
       continue;
@@ -186,7 +186,7 @@ void add_looks(const aiMesh& mesh, const Corners& corners, json& attributes, Doc
   }
 }
 
-// Of `count` shapes, as many as the node's richest mesh has: glTF wants the same of all.
+// `count` is the largest number of shapes among the node's meshes: glTF requires the same number in all.
 json targets_of(const aiMesh& mesh, unsigned count, const Corners& corners, Document& document) {
   json targets = json::array();
   for (unsigned s = 0; s < count; ++s) {

@@ -18,8 +18,8 @@ struct PlacedMesh {
   std::optional<std::size_t> skin;
 };
 
-// What a node shows, in glTF: a primitive for each of its meshes with triangles, seams and all; nothing where
-// none has. Vertices that no bone of a skinned mesh holds follow the node itself.
+// A node's mesh in glTF: a primitive for each of its meshes that has triangles, including seams; nothing if
+// none has. Vertices of a skinned mesh without bones follow the node itself.
 std::optional<PlacedMesh> add_mesh(Character& character, std::size_t node, Document& document);
 
 }  // namespace fascicle::convert
