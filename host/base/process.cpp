@@ -115,12 +115,8 @@ bool read_some(int descriptor, std::string& tail) {
   return size > 0;
 }
 
-enum class ChildState {
-  running,
-  ended,
-  reaped
-};  // reaped: by other code in this process; its process id
-    // may have been reused
+// reaped: by other code in this process; the id may be reused.
+enum class ChildState { running, ended, reaped };
 
 ChildState state_of(pid_t child) {
   siginfo_t info{};

@@ -24,7 +24,7 @@ namespace processing = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// The number of vertices of a filled surface: on the surface, one per area 1/1.1547 of the squared edge, as
+// The number of vertices of a filled surface: on the surface, 2/sqrt(3) per squared edge of area, as
 // with equilateral triangles; inside, where TetGen's tetrahedra of edge e hold one vertex per e^3/2.12. The
 // volume term is for the surface moved inward by half an edge, where the inner vertices start. Measured on
 // the heavy MakeHuman body at edges of 15, 20 and 30 mm.
