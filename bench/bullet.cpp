@@ -1,8 +1,8 @@
 // fascicle-bench-bullet KIND NX NY NZ SUBSTEPS: Bullet's soft bodies on the bar of `fascicle bench`, timed on
-// one thread. Prints nanoseconds a vertex and substep on stderr, the last line of which its caller reads.
+// one thread. Prints nanoseconds per vertex and substep on stderr; its caller reads the last line.
 //
-// KIND: bullet-clusters, one cluster for each one-ring, which is the nearest that Bullet has to our regions:
-// shape matching of overlapping clusters; bullet-links, springs along the tetrahedra's edges.
+// KIND: bullet-clusters, shape matching of overlapping clusters, one per one-ring, the closest that Bullet
+// has to our regions; bullet-links, springs along the tetrahedra's edges.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -30,7 +30,7 @@ struct Bar {
   std::vector<std::set<int>> rings;
 };
 
-// Kuhn's tetrahedra join a grid point with the seven others of its cell.
+// Kuhn's tetrahedra connect a grid point with the seven others of its cell.
 Bar make_bar(const std::array<int, 3>& count) {
   Bar bar;
   const auto number = [&](int x, int y, int z) { return (x * count[1] + y) * count[2] + z; };
@@ -89,7 +89,7 @@ double measure(const std::string& kind, const std::array<int, 3>& count, int sub
   body->setTotalMass(5, false);
   for (int i = 0; i < body->m_nodes.size(); ++i)
     if (bar.points[static_cast<std::size_t>(i)].y() > btScalar(0.4999)) body->setMass(i, 0);
-  // No collisions, one iteration of each kind: what is timed is a substep.
+  // No collisions, one iteration of each kind: this times one substep.
   body->m_cfg.collisions = 0;
   body->m_cfg.piterations = kind == "bullet-links" ? 1 : 0;
   body->m_cfg.viterations = body->m_cfg.citerations = body->m_cfg.diterations = 0;
@@ -102,7 +102,7 @@ double measure(const std::string& kind, const std::array<int, 3>& count, int sub
   for (int k = 0; k < substeps; ++k) step();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-  // A body that has not moved, or has left the numbers, has not been stepped.
+  // A body that has not moved, or is not finite, has not been stepped.
   const btVector3 tip = body->m_nodes[0].m_x - bar.points[0];
   const bool moved = tip.length() > 0 && tip.length() < btScalar(1);
   world.removeSoftBody(body);

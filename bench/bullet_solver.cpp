@@ -34,19 +34,19 @@ double component(const btVector3& v, std::size_t axis) {
   return double{v.m_floats[axis]};
 }
 
-// Bullet has one for all bodies and does not let it be set.
+// Bullet uses one number for all bodies and has no setter for it.
 struct DeformableSolver : btDeformableBodySolver {
   explicit DeformableSolver(int newton_steps) { m_maxNewtonIterations = newton_steps; }
 };
 
-// A box that stands for a plane: one of its sides lies in it.
+// A box that represents a plane: one of its sides lies in the plane.
 struct Plate {
-  static constexpr btScalar width = 1, depth = btScalar(0.25);  // half of them, m
+  static constexpr btScalar width = 1, depth = btScalar(0.25);  // half sizes, m
   btBoxShape shape{btVector3(width, depth, width)};
   btRigidBody body{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape)};
 };
 
-// The pair that Lamé's numbers of a modulus E are.
+// The Lamé parameters of a modulus E.
 struct Lame {
   double mu, lambda;
 };
@@ -59,8 +59,8 @@ std::unique_ptr<btDeformableLagrangianForce> make_force(double E, const BulletSe
   if (settings.linear)
     return std::make_unique<btDeformableLinearElasticityForce>(btScalar(lame.mu), btScalar(lame.lambda),
                                                                btScalar(0), btScalar(settings.viscosity));
-  // Smith, de Goes and Kim 2018, "Stable Neo-Hookean flesh simulation", section 3.4: at rest the law is as
-  // stiff as linear elasticity is with three quarters of its mu.
+  // Smith, de Goes and Kim 2018, "Stable Neo-Hookean flesh simulation", section 3.4: at rest this law is as
+  // stiff as linear elasticity with three quarters of its mu.
   if (settings.converts) lame = {lame.mu * 4.0 / 3.0, lame.lambda + lame.mu * 5.0 / 6.0};
   return std::make_unique<btDeformableNeoHookeanForce>(btScalar(lame.mu), btScalar(lame.lambda),
                                                        btScalar(settings.viscosity));
@@ -78,7 +78,7 @@ struct BulletSolver::Impl {
   void skin(const model::Drive& drive, std::uint32_t substep);
   void step(const model::Drive& drive, std::uint32_t substep);
   btSoftBody::Node& node(std::size_t vertex) const { return body->m_nodes[node_of[vertex]]; }
-  // Working units relative to a frame's origin to metres relative to `origin`, and back.
+  // Convert working units relative to a frame's origin to metres relative to `origin`, and back.
   Point metres(const float* p, const Point& frame_origin) const;
   float working(double metre, std::size_t axis, const Point& frame_origin) const {
     return static_cast<float>((metre + origin[axis] - frame_origin[axis]) / model.unit);
@@ -89,9 +89,9 @@ struct BulletSolver::Impl {
 
   const model::Model& model;
   const BulletSettings settings;
-  std::vector<int> node_of;                                    // of each vertex
-  Point origin{0, 0, 0}, last_origin{};                        // metres: of Bullet's world; of the last frame
-  std::vector<Point> skinned, carried_velocity, acceleration;  // m, m/s, m/s^2 of each vertex
+  std::vector<int> node_of;                                    // per vertex
+  Point origin{0, 0, 0}, last_origin{};                        // m: of Bullet's world; of the last frame
+  std::vector<Point> skinned, carried_velocity, acceleration;  // m, m/s, m/s^2, per vertex
   std::uint64_t frame = 0;
   bool has_plates = false;
   std::deque<model::Frame> done;
@@ -127,7 +127,7 @@ BulletSolver::Impl::Impl(const model::Model& of, const BulletSettings& with)
   make_body();
   world->addSoftBody(body.get());
   world->addForce(body.get(), force.get());
-  // Plates are added to the world when the first drive says where they stand.
+  // Plates are added to the world once the first drive gives their positions.
   for (std::uint32_t k = 0; k < model.collider_count; ++k) plates.push_back(std::make_unique<Plate>());
 }
 
@@ -137,8 +137,8 @@ BulletSolver::Impl::~Impl() {
   world->removeSoftBody(body.get());
 }
 
-// Free vertices first: where nodes without mass come before others, Bullet 3.24 gives these their neighbours'
-// forces when it predicts contact (applyForce counts only nodes with mass).
+// Free vertices first: if massless nodes come before others, Bullet 3.24 applies forces to the wrong nodes
+// when it predicts contact, because applyForce counts only nodes with mass.
 void BulletSolver::Impl::number_nodes() {
   node_of.resize(model.vertex_count);
   int count = 0;
@@ -155,7 +155,7 @@ void BulletSolver::Impl::make_body() {
           btScalar(model.unit * double{model.rest[3 * i + axis]});
   body = std::make_unique<btSoftBody>(&world->getWorldInfo(), static_cast<int>(rest.size()), rest.data(),
                                       nullptr);
-  // Tetrahedra that move by themselves first: of the others only the faces are needed.
+  // Tetrahedra with a free vertex first: of the others only the faces are needed.
   std::vector<std::size_t> entries;
   std::size_t free_count = 0;
   for (const bool is_held : {false, true}) {
@@ -169,7 +169,8 @@ void BulletSolver::Impl::make_body() {
   const auto corner = [&](std::size_t entry) { return node_of[model.tetrahedron[entry]]; };
   for (const std::size_t t : entries)
     body->appendTetra(corner(t), corner(t + 1), corner(t + 2), corner(t + 3));
-  // Nobody asks links for forces, but Bullet joins nodes by them into its tree, and without them never ends.
+  // The links exert no force, but Bullet uses them to connect nodes when it builds its tree, and does not
+  // terminate without them.
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
       if (i < model.ring[e]) body->appendLink(node_of[i], node_of[model.ring[e]]);
@@ -181,8 +182,9 @@ void BulletSolver::Impl::make_body() {
   body->m_tetraScratchesTn.resize(body->m_tetras.size());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     body->setMass(node_of[i], model.is_kinematic(i) ? 0 : btScalar(model.mass[i]));
-  // A world has one law of a kind for all tetrahedra. What they weigh in it is their volume, and as the nodes
-  // have their masses already, nothing else asks for that: so a tetrahedron's modulus goes there.
+  // A Bullet world has one elastic law of each type for all tetrahedra, weighted by their volume. Nothing
+  // else uses that volume, because nodes have their masses already, so it is scaled by the tetrahedron's
+  // modulus.
   const double E = *std::ranges::max_element(model.youngs_modulus);
   for (std::size_t t = 0; t < entries.size(); ++t) {
     double own = 0.0;
@@ -194,10 +196,11 @@ void BulletSolver::Impl::make_body() {
   body->m_cfg.collisions = Collision::SDF_RD | Collision::SDF_RDN | (settings.self ? Collision::VF_DD : 0);
   body->setSelfCollision(settings.self);
   body->getCollisionShape()->setMargin(btScalar(settings.margin));
-  body->m_cfg.kDF = btScalar(std::sqrt(settings.self_friction));  // both sides' product counts
+  body->m_cfg.kDF = btScalar(std::sqrt(settings.self_friction));  // Bullet multiplies the coefficients of
+                                                                  // both sides
   body->m_cfg.kCHR = body->m_cfg.kKHR = 1;
   body->setSpringStiffness(btScalar(settings.repulsion));
-  // What is slow would be stopped by decree.
+  // Otherwise Bullet stops slow bodies.
   body->m_sleepingThreshold = 0;
   body->setActivationState(DISABLE_DEACTIVATION);
 }
@@ -209,7 +212,7 @@ Point BulletSolver::Impl::metres(const float* p, const Point& frame_origin) cons
   return result;
 }
 
-// A contact is held one margin before a side, so the side lies one margin behind the plane.
+// Contact keeps flesh one margin away from a side, so the side is placed one margin behind the plane.
 void BulletSolver::Impl::place_plates(const model::Drive& drive, std::uint32_t substep, bool is_first) {
   for (std::uint32_t k = 0; k < model.collider_count; ++k) {
     const shader::Collider& c = drive.colliders[std::size_t{substep} * model.collider_count + k];
@@ -233,7 +236,7 @@ void BulletSolver::Impl::place_plates(const model::Drive& drive, std::uint32_t s
       plate.setActivationState(DISABLE_DEACTIVATION);
       world->addRigidBody(&plate);
     }
-    // Bullet takes the way from the last place for its velocity.
+    // Bullet derives the velocity from the previous position.
     plate.setWorldTransform(
         place({c.xx, c.xy, c.xz, c.yx, c.yy, c.yz, c.zx, c.zy, c.zz}, {c.xt, c.yt, c.zt}));
     plate.setFriction(body->m_cfg.kDF > 0 ? btScalar(double{c.friction} / double{body->m_cfg.kDF}) : 0);
@@ -241,7 +244,8 @@ void BulletSolver::Impl::place_plates(const model::Drive& drive, std::uint32_t s
   has_plates = has_plates || model.collider_count > 0;
 }
 
-// Where skinning puts each vertex at the substep's end, how fast, and what acceleration gravity is there.
+// The skinned position and velocity of each vertex at the end of the substep, and the acceleration of gravity
+// there.
 void BulletSolver::Impl::skin(const model::Drive& drive, std::uint32_t substep) {
   for (std::size_t i = 0; i < model.vertex_count; ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)

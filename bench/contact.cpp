@@ -1,10 +1,11 @@
-// fascicle-bench-contact [OPTIONS]: contact beside Bullet's deformable bodies. Built-in scenes are baked
-// twice in one run, by fascicle's CPU solver and by Bullet (bullet_solver.h): the same tetrahedra, masses,
-// moduli, skeleton, solids and frames, on one thread, measured by the same meters. A table goes to stdout.
+// fascicle-bench-contact [OPTIONS]: compares contact with Bullet's deformable bodies. Built-in scenes are
+// baked twice in one run, by fascicle's CPU solver and by Bullet (bullet_solver.h): the same tetrahedra,
+// masses, moduli, skeleton, solids and frames, on one thread, with the same measurements. A table goes to
+// stdout.
 //
-// squeeze is the check, too: both have to push back with what rod theory says, to a tenth. What does not ends
-// the run with status 6 before anything else is timed, as in `fascicle bench`. Later scenes check that what
-// follows the skeleton does.
+// squeeze is also the check: both must push back with the force of rod theory, to within a tenth. If one does
+// not, the run ends with status 6 before anything else is timed, as in `fascicle bench`. Later scenes check
+// that what follows the skeleton does.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,7 +52,7 @@ struct Arguments {
   BulletSettings bullet;
 };
 
-// A number of a scene; those that are not there were not measured, or make no sense.
+// A measured value of a scene; a missing one was not measured, or is not meaningful.
 struct Figure {
   std::string scene, name;
   std::optional<double> theory, skinning, fascicle, bullet;
@@ -63,15 +64,15 @@ struct Subject {
   const model::Model& model() const { return built.model; }
 };
 
-// Of this thread's processor, s: other programs may run beside this one, and frames are measured on another
-// thread.
+// Processor time of this thread, s: other programs may run at the same time, and frames are measured on
+// another thread.
 double processor_seconds() {
   std::timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Hands a solver's frames on, and keeps them and the time they took.
+// Passes a solver's frames on, and records them and their time.
 class Recorder : public model::Solver {
  public:
   explicit Recorder(model::Solver& solver) : solver_(solver) {}
@@ -136,10 +137,10 @@ class Comparison {
 
   const Arguments& arguments_;
   std::vector<Figure> figures_;
-  double milliseconds_ = 0.0;  // a frame, of the last bake
+  double milliseconds_ = 0.0;  // per frame, in the last bake
 };
 
-// Of a frame. With fewer more of a bear's flesh passes through its flesh.
+// Per second. With fewer substeps, more of a bear's flesh passes through itself.
 constexpr double bullet_contact_rate = 960.0;
 std::uint32_t bullet_substeps(const Subject& subject, const Arguments& arguments) {
   if (arguments.rate == 0 && !subject.model().has_contact()) return subject.built.steps.substeps;
@@ -172,7 +173,7 @@ Frames Comparison::bake(const Subject& subject, model::Solver& solver, std::uint
 Measures Comparison::measure(const Subject& subject, std::uint32_t substeps, const Frames& frames,
                              double force) const {
   drive::DriveSource drives(subject.scene, subject.model(), substeps);
-  // What meets no solid meets itself.
+  // Without solids, the scene tests self-contact.
   if (drives.solids(frames.back().index).empty())
     return measure_crouch(subject.scene, subject.model(), frames);
   if (std::holds_alternative<scene::Bar>(subject.scene.geometry))
@@ -194,7 +195,7 @@ void Comparison::add(const std::string& scene, const Measures& measures, std::op
 bool Comparison::compare(const std::string& name) {
   scene::SceneOverrides overrides;
   overrides.set = arguments_.set;
-  if (name == "drop") overrides.end = 5.0;  // as it is built in, it ends before it lies still
+  if (name == "drop") overrides.end = 5.0;  // the built-in scene ends before it comes to rest
   Subject subject{scene::load_scene(name, overrides), {}};
   build::BuildOptions options;
   options.cache = build::default_cache_folder();

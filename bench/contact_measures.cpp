@@ -19,7 +19,7 @@ Vector3d vertex(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-// Metres in the world.
+// In metres, in the world.
 Vector3d place(const model::Model& model, const model::Frame& frame, std::size_t i) {
   return Vector3d(frame.origin[0], frame.origin[1], frame.origin[2]) +
          model.unit * vertex(frame.positions, i);
@@ -31,7 +31,7 @@ Vector3d mean_by_mass(const model::Model& model, const std::function<Vector3d(st
   return sum / std::accumulate(model.mass.begin(), model.mass.end(), 0.0);
 }
 
-// m, of the deepest vertex in any frame, below the surfaces of the scene's solids.
+// m; how far the deepest vertex of any frame is below the surfaces of the scene's solids.
 double deepest_in_solids(const model::Model& model, drive::DriveSource& drives, const Frames& frames) {
   double deepest = 0.0;
   for (const model::Frame& frame : frames)
@@ -41,7 +41,7 @@ double deepest_in_solids(const model::Model& model, drive::DriveSource& drives, 
   return deepest;
 }
 
-// m/s, of these vertices over the last frames.
+// m/s; of a set of vertices over the last frames.
 struct Speed {
   double mean_square_root = 0.0, fastest = 0.0;
 };
@@ -66,7 +66,7 @@ std::vector<std::uint32_t> free_vertices(const model::Model& model) {
   return vertices;
 }
 
-// m/s, of these vertices by how far they go from frame to frame: what trembles faster does not count.
+// m/s; from the distance these vertices move between frames, so that faster vibration does not count.
 Speed last_way(const model::Model& model, const std::vector<std::uint32_t>& vertices, const Frames& frames,
                double seconds, double fps) {
   const auto count = std::min(frames.size() - 1, static_cast<std::size_t>(std::lround(seconds * fps)));
@@ -81,7 +81,7 @@ Speed last_way(const model::Model& model, const std::vector<std::uint32_t>& vert
   return {std::sqrt(sum / static_cast<double>(count * vertices.size())), std::sqrt(most)};
 }
 
-// Those on the surface that may meet flesh.
+// Surface vertices that may touch flesh.
 std::vector<std::uint32_t> free_skin(const model::Model& model) {
   std::vector<std::uint32_t> vertices;
   for (const shader::ContactPoint& point : model.contact)
@@ -111,7 +111,7 @@ double volume(const model::Model& model, const std::vector<float>& positions) {
   return six;
 }
 
-// The goals of the last iteration that it was shown.
+// Keeps the goals of the last iteration.
 struct GoalProbe : model::Probe {
   void on_stage(const model::Where& where, std::span<const float> values) override {
     if (where.stage == model::Stage::goal) goals.assign(values.begin(), values.end());

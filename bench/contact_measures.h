@@ -1,4 +1,4 @@
-// What is measured of a scene that a solver has baked, whichever solver that was.
+// Measurements of a baked scene, independent of the solver.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 
 namespace fascicle::bench {
 
-// With positions, velocities and, of a character, skinned positions.
+// With positions, velocities and, for a character, skinned positions.
 using Frames = std::vector<model::Frame>;
-// Numbers by what they are, with the unit.
+// Values by name, with the unit.
 using Measures = std::vector<std::pair<std::string, double>>;
 
 inline constexpr const char* force_name = "force on the upper plane, N";
@@ -25,19 +25,19 @@ Measures measure_squeeze(const scene::Scene& scene, const model::Model& model, d
 Measures measure_drop(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
                       const Frames& frames);
 Measures measure_crouch(const scene::Scene& scene, const model::Model& model, const Frames& frames);
-// `places`: of each frame, Frame::positions or Frame::skinned.
+// `places`: for each frame, Frame::positions or Frame::skinned.
 Measures measure_overlap(const model::Model& model, const Frames& frames,
                          std::vector<float> model::Frame::*places);
 
-// Of an implicit solver of fascicle's, N: mass x stiffness x (goal - place) of each vertex, in one more
+// For an implicit solver of fascicle's, N: mass x stiffness x (goal - position) of each vertex, in one more
 // frame.
 std::vector<double> flesh_forces(const model::Model& model, model::Solver& solver, const model::Drive& drive);
-// What a bar presses its upper plane with, N.
+// The force of a bar on its upper plane, N.
 double force_on_top(const model::Model& model, const std::vector<double>& forces);
-// The same by rod theory: E x area x strain.
+// The same from rod theory: E x area x strain.
 double rod_force(const scene::Scene& scene);
 
-// m: the furthest that a vertex which follows the skeleton is from it, in any frame.
+// m; the largest distance from the skeleton of a vertex that follows it, in any frame.
 double furthest_from_skeleton(const model::Model& model, const Frames& frames);
 
 }  // namespace fascicle::bench

@@ -17,7 +17,7 @@ def main(program, folder, picture):
     program = bakes.Program(program, folder)
     program.bake("crouch", "crouch-skinned", figures.SKINNING_ALONE)
     options = ("--frame", str(figures.CROUCH), "--view", "front", "--turn", "40", "--size", "900x900")
-    # Where the bear is in a picture of 900 by 900.
+    # The bear's place in a picture of 900 by 900.
     crouched = [round(0.9 * side) for side in figures.CROUCHED]
     stills = [program.still(os.path.join(folder, f"crouch-{name}"), f"still-{name}", *options) for name in ("skinned", "bullet", "fascicle")]
     with open(picture, "wb") as file:

@@ -1,7 +1,7 @@
-// fascicle-bench-kernels [OPTIONS of Google Benchmark]: the CPU's stages alone, at every level of
-// instructions that the machine has, and the two rotations of a moment, on one thread. Each is verified
-// before it is timed: a stage's bits against the scalar stage's, a rotation against the one that its moment
-// was made of. What differs ends the run with status 6, as in `fascicle bench`.
+// fascicle-bench-kernels [OPTIONS of Google Benchmark]: the CPU's stages alone, at every instruction level
+// that the machine has, and the two rotations of a moment, on one thread. Each is verified before it is
+// timed: a stage's bits against the scalar stage's, a rotation against the one its moment was made from. A
+// difference ends the run with status 6, as in `fascicle bench`.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -46,7 +46,7 @@ using model::Integrator;
 using Matrix = kernel::Matrix<float>;
 using Quaternion = kernel::Quaternion<float>;
 
-// A result that is not the one to be timed.
+// The result differs from the expected one, so it is not timed.
 struct Difference : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -56,7 +56,7 @@ struct TimedStage {
   Integrator integrator;
   LaneStage LaneStages::*in_lanes;
   void (*one_by_one)(const model::Model&, const cpu_reference::SubstepInput&, Fields&, cpu_reference::Range);
-  bool needs_maps;  // of the region stage
+  bool needs_maps;  // from the region stage
 };
 constexpr TimedStage region_stage{"region", Integrator::explicit_step, &LaneStages::region,
                                   &cpu_reference::region, false};
@@ -65,12 +65,12 @@ constexpr std::array<TimedStage, 3> timed_stages{
      {"update", Integrator::explicit_step, &LaneStages::update, &cpu_reference::update, true},
      {"iterate", Integrator::implicit_step, &LaneStages::iterate, &cpu_reference::iterate, true}}};
 
-// Two of those that bench/README.md has results of. The first takes about 1 MB, which a core's caches hold,
+// Two sizes for which bench/README.md has results. The first takes about 1 MB, which fits in a core's caches,
 // the second 20.
 constexpr std::array<std::uint32_t, 2> sizes{4600, 106624};
 
-// The bar of `fascicle bench` on its way down, at the first region stage of a substep; of an implicit one
-// with the numbers of the middle iteration.
+// The falling bar of `fascicle bench`, at the first region stage of a substep; for an implicit one, with the
+// coefficients of the middle iteration.
 struct MovingBar {
   MovingBar(std::uint32_t vertices, Integrator integrator)
       : bar(cli::bench_body(vertices, integrator)), drive(bar.model, substeps_before) {
@@ -126,13 +126,13 @@ void run(MovingBar& body, const TimedStage& stage, Simd level) {
                                           {0, body.slices.count});
 }
 
-// Back to where the substep began, and on to where the stage begins.
+// Resets to the start of the substep, then advances to the start of the stage.
 void prepare(MovingBar& body, const TimedStage& stage, Simd level) {
   body.now = body.begun;
   if (stage.needs_maps) run(body, region_stage, level);
 }
 
-// What any of the stages writes, side by side.
+// All values that any of the stages writes, one after the other.
 std::vector<float> written(const MovingBar& body) {
   using namespace cpu_reference;
   const model::Model& model = body.bar.model;
@@ -144,7 +144,7 @@ std::vector<float> written(const MovingBar& body) {
   columns.push_back({now.iterate_before, vector_stride, 0, 3});
   columns.push_back({now.goals, vector_stride, 0, 3});
   std::vector<float> values = gathered(model.vertex_count, columns);
-  // Nobody reads a kinematic vertex's goal: lanes leave something there, the scalar stage nothing.
+  // Nothing reads a kinematic vertex's goal: the lanes write a value there, the scalar stage does not.
   const std::size_t width = values.size() / model.vertex_count;
   for (std::size_t i = 0; i < model.vertex_count; ++i)
     if (model.is_kinematic(static_cast<std::uint32_t>(i)))
@@ -176,7 +176,7 @@ void verify(MovingBar& body, const TimedStage& stage) {
   }
 }
 
-// Made when first asked for, and all that is timed on it verified.
+// Created on first use, with every stage that is timed on it verified.
 MovingBar& verified_bar(std::uint32_t vertices, Integrator integrator) {
   static std::map<std::pair<std::uint32_t, Integrator>, std::unique_ptr<MovingBar>> bars;
   std::unique_ptr<MovingBar>& bar = bars[{vertices, integrator}];
@@ -187,8 +187,8 @@ MovingBar& verified_bar(std::uint32_t vertices, Integrator integrator) {
   return *bar;
 }
 
-// Runs `work` as often as Google Benchmark wants it. Its own rates carry a second's prefix, so nanoseconds
-// are taken here; of the processor's time, as other programs may run beside this one.
+// Runs `work` as often as Google Benchmark wants it. Its own rates have SI prefixes, so nanoseconds are
+// measured here, in processor time because other programs may run at the same time.
 template <class Work>
 void time_items(benchmark::State& state, std::size_t items, const char* counter, const Work& work) {
   const std::clock_t start = std::clock();
@@ -201,7 +201,7 @@ void time_items(benchmark::State& state, std::size_t items, const char* counter,
       seconds * 1e9 / static_cast<double>(state.iterations()) / static_cast<double>(items);
 }
 
-// The stage again and again on its own result: it takes the same instructions whatever the numbers are.
+// Runs the stage repeatedly on its own result: it executes the same instructions whatever the numbers are.
 void time_stage(benchmark::State& state, const TimedStage& stage, Simd level, std::uint32_t vertices) {
   MovingBar& body = verified_bar(vertices, stage.integrator);
   prepare(body, stage, level);
@@ -210,8 +210,8 @@ void time_stage(benchmark::State& state, const TimedStage& stage, Simd level, st
 
 struct Moments {
   std::vector<Matrix> moment;
-  std::vector<Quaternion> rotation;  // the best for the moment
-  std::vector<Quaternion> before;    // some degrees away
+  std::vector<Quaternion> rotation;  // the best fit for the moment
+  std::vector<Quaternion> before;    // some degrees away from it
 };
 
 // A = R V diag(s) V^T, whose rotation is R.
@@ -238,7 +238,7 @@ Moments random_moments(std::size_t count) {
   return made;
 }
 
-// Between rotations that are near each other; q and -q are the same one.
+// For rotations close to each other; q and -q are the same one.
 double degrees_between(const Quaternion& a, const Quaternion& b) {
   const double sign =
       double{a.w} * b.w + double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z < 0 ? -1 : 1;
@@ -246,7 +246,7 @@ double degrees_between(const Quaternion& a, const Quaternion& b) {
   return 2.0 * std::sqrt(w * w + x * x + y * y + z * z) * 180.0 / std::numbers::pi;
 }
 
-// `bound`: of the error, in degrees.
+// `bound`: largest error, in degrees.
 void time_rotation(benchmark::State& state, model::Rotation rotation, double bound) {
   const bool mueller = rotation == model::Rotation::mueller2016;
   static const Moments moments = random_moments(1024);
@@ -260,7 +260,7 @@ void time_rotation(benchmark::State& state, model::Rotation rotation, double bou
   extract_all();
   for (std::size_t k = 0; k < count; ++k) {
     const double error = degrees_between(found[k], moments.rotation[k]);
-    // So that a NaN is a difference too.
+    // Written so that NaN counts as a difference too.
     if (error <= bound) continue;
     throw Difference(std::string("extract_rotation/") + name_of(rotation) + ": moment " + std::to_string(k) +
                      "'s rotation is wrong by " + std::to_string(error) + " degrees, not timed");
@@ -275,8 +275,8 @@ void register_all() {
         benchmark::RegisterBenchmark(name_of_run(stage, level, vertices).c_str(), time_stage, stage, level,
                                      vertices)
             ->Unit(benchmark::kMicrosecond);
-  // Degrees: what tests/cpu_reference/rotation_test.cpp allows such moments, and three to five times the
-  // worst here.
+  // Degrees: the bounds of tests/cpu_reference/rotation_test.cpp for such moments, three to five times the
+  // worst error here.
   constexpr std::array<std::pair<model::Rotation, double>, 2> bounds{
       {{model::Rotation::qcp, 1.5e-4}, {model::Rotation::mueller2016, 0.03}}};
   for (const auto& [rotation, bound] : bounds)

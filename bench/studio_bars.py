@@ -74,7 +74,7 @@ class Page:
         text = json.dumps({"type": kind, "id": 1, **members}).encode()
         size = struct.pack(">BB", 129, 128 | len(text)) if len(text) < 126 else \
             struct.pack(">BBH", 129, 128 | 126, len(text))
-        self.socket.sendall(size + b"\0\0\0\0" + text)  # masked by nothing
+        self.socket.sendall(size + b"\0\0\0\0" + text)  # a mask of zeros
 
     def until(self, wanted):
         """The first message that is wanted."""

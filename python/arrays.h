@@ -1,4 +1,4 @@
-// numpy arrays over the library's memory, and the other way round, without copies.
+// Converts between numpy arrays and the library's memory without copies.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace fascicle_python {
 
-// An array of n x 3 over `data`, which `owner` keeps alive; nobody may write into it.
+// A read-only n x 3 array over `data`, which `owner` keeps alive.
 py::array points_view(const float* data, std::size_t count, const py::object& owner);
 
-// The numbers of `out`, which must be a writable, contiguous float32 array of `count` x 3, or of a new one.
-// Raises ValueError that says which of these it is not.
+// The numbers of `out`, which must be a writable, contiguous float32 array of `count` x 3; None: of a new
+// one. Raises ValueError that says which condition is not met.
 py::array_t<float> points_to_fill(const std::optional<py::array>& out, std::size_t count);
 
-// Poses as float64, contiguous; an array that is so already is not copied.
+// Poses as contiguous float64; an array that already is one is not copied.
 using Poses = py::array_t<double, py::array::c_style | py::array::forcecast>;
-// The numbers of joints x 4 x 4, or where `many` is true also of substeps x joints x 4 x 4. None stands for
-// the pose of a body without a skeleton. Raises ValueError.
+// The numbers of joints x 4 x 4 or, if `many`, also of substeps x joints x 4 x 4. None is the pose of a body
+// without a skeleton. Raises ValueError.
 std::span<const double> pose_numbers(const std::optional<Poses>& poses, std::size_t joint_count, bool many);
 
 // "(3, 4, 4)"

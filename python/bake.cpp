@@ -1,4 +1,4 @@
-// Level 1: bakes, and the devices they run on.
+// Level 1: bakes, and their devices.
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-// Models, and their arrays as numpy sees them.
+// Models, and their arrays as numpy arrays.
 #include <cstring>
 #include <deque>
 #include <filesystem>
@@ -81,7 +81,7 @@ fascicle_type type_of(const py::array& array, const std::string& name) {
 }
 
 std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
-  std::deque<std::string> texts;  // what the list below points into
+  std::deque<std::string> texts;  // strings that `list` points into
   std::vector<py::array> kept;
   std::vector<fascicle_array> list;
   for (const auto& [key, value] : arrays) {

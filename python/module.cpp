@@ -30,7 +30,7 @@ const char* text_of(fascicle_phase phase) {
   return "frames";
 }
 
-// fascicle.Error and its kinds are Python's own: see fascicle/_errors.py.
+// fascicle.Error and its subclasses are defined in Python: see fascicle/_errors.py.
 void raise_error(std::exception_ptr thrown) {
   try {
     std::rethrow_exception(std::move(thrown));

@@ -1,4 +1,4 @@
-// The Python module `fascicle._fascicle`: what its files share. It sits on the public API alone.
+// The Python module `fascicle._fascicle`: declarations shared by its files. Uses only the public API.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ void add_device(py::module_& module);  // Device
 void add_model(py::module_& module);   // Model
 void add_solver(py::module_& module);  // Solver, after Device and Model
 
-// Runs `work` without the interpreter's lock. Ctrl-C in a terminal ends helper processes too: what they
-// failed of is then the interrupt, and KeyboardInterrupt is raised in place of their error.
+// Runs `work` without the interpreter lock (GIL). Ctrl-C in a terminal also ends helper processes, so their
+// failure is caused by the interrupt: raises KeyboardInterrupt instead of their error.
 template <class Work>
 auto without_lock(const Work& work) {
   try {
@@ -35,8 +35,8 @@ auto without_lock(const Work& work) {
 }
 
 // Callbacks for the wrapper. `log` is called with (severity, message) and may be None; `progress` is called
-// with (phase, done, total), may be None, and ends the work by False or by an exception. Both see signals.
-// The objects must outlive the functions, which take the interpreter's lock themselves.
+// with (phase, done, total), may be None, and ends the work by returning False or raising. Both check for
+// signals. The objects must outlive the functions, which acquire the GIL themselves.
 fascicle::log_function log_to(const py::object& log);
 fascicle::progress_function progress_to(const py::object& progress);
 
@@ -44,8 +44,8 @@ inline std::optional<std::string> path_text(const std::optional<std::filesystem:
   return path ? std::optional<std::string>(path->string()) : std::nullopt;
 }
 
-// One call at a time: for handles that are used by one thread at a time. Lives and dies under the
-// interpreter's lock, so that a plain bool is enough. Throws std::runtime_error where another call is in it.
+// Rejects concurrent calls on handles that only one thread may use at a time. Created and destroyed with the
+// GIL held, so that a plain bool is enough. Throws std::runtime_error during another call.
 class Occupied {
  public:
   Occupied(bool& busy, const char* what) : busy_(busy) {

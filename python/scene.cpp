@@ -16,7 +16,7 @@ using Path = std::filesystem::path;
 using Number = std::optional<double>;
 using Text = std::optional<std::string>;
 
-// `set` and tables of the scene file as "layers.fat.alpha=0.2": see fascicle/_settings.py.
+// `set` and tables of the scene file as settings such as "layers.fat.alpha=0.2": see fascicle/_settings.py.
 std::vector<std::string> settings_of(const py::object& set, const py::kwargs& tables) {
   return py::cast<std::vector<std::string>>(
       py::module_::import("fascicle._settings").attr("settings")(set, tables));
@@ -56,7 +56,7 @@ std::vector<std::string> clip_names(const fascicle::scene& scene) {
   return names;
 }
 
-// A list that the library shows one by one until NULL.
+// A list that the library returns item by item until NULL.
 template <class At>
 std::vector<std::string> texts_until_null(At at) {
   std::vector<std::string> texts;

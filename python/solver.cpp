@@ -1,4 +1,4 @@
-// Level 2 and 3: solvers.
+// Levels 2 and 3: solvers.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -26,7 +26,7 @@ struct Solver {
 };
 using Handle = std::shared_ptr<Solver>;
 
-// Runs what moves the solver to another frame, whose memory is another.
+// Runs work that moves the solver to another frame, which invalidates the current frame's memory.
 template <class Work>
 void move_on(Solver& self, const Work& work) {
   if (self.views > 0)
@@ -56,7 +56,7 @@ fascicle_frame frame_of(Solver& self) {
   return self.solver.frame();
 }
 
-// The view's owner counts it until it goes.
+// The owner of a view, which counts it until it is destroyed.
 py::object counted(const Handle& self) {
   auto owner = std::make_unique<Handle>(self);
   py::capsule capsule(owner.get(), [](void* kept) {

@@ -55,7 +55,7 @@ class ProgressBar:
 
 
 def _overwrites(file):
-    # A notebook's stderr is no terminal and yet goes back to the line's begin.
+    # A notebook's stderr is not a terminal but supports carriage returns.
     return getattr(file, "isatty", lambda: False)() or type(file).__module__.startswith("ipykernel.")
 
 

@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Mapping
 
-# What TOML's basic strings have short names for; other control characters are written by number.
+# Short escapes of TOML's basic strings; other control characters are written by number.
 _escapes = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
@@ -17,7 +17,7 @@ def _quoted(text):
 
 def value_text(value, path):
     """A value as TOML."""
-    if hasattr(value, "tolist"):  # of numpy
+    if hasattr(value, "tolist"):  # numpy
         value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -35,7 +35,7 @@ def value_text(value, path):
 
 
 def _is_key(key, path):
-    # "solver.substeps" names a key of a table; inside of a table a dot would be part of a name.
+    # "solver.substeps" names a key of a table; inside a table, a dot would be part of a name.
     parts = key.split(".") if isinstance(key, str) and not path else [key]
     return all(isinstance(part, str) and part and "." not in part and "=" not in part for part in parts)
 
