@@ -51,8 +51,8 @@ constexpr const char* device_text = R"(A GPU or the CPU, ready to run solvers.
 
     name     "auto" (the first real GPU that passes its self-test, else the CPU), "cpu", "cpu:LEVEL" (scalar,
              baseline, sse4, avx2, avx512), "vulkan" or "vulkan:N"
-    threads  of the CPU solver; 0: one for each core
-    cache    folder for compiled shaders; "": none; None: as the program's
+    threads  of the CPU solver; 0: one per core
+    cache    folder for compiled shaders; "": none; None: the program's default
 
 Raises NoSuchDevice.)";
 
@@ -61,17 +61,17 @@ Raises NoSuchDevice.)";
 void add_bake(py::module_& module) {
   using namespace py::literals;
   const py::none none;
-  py::class_<BakeResult> result(module, "BakeResult", "What came of a bake.");
+  py::class_<BakeResult> result(module, "BakeResult", "The result of a bake.");
   result.attr("__module__") = "fascicle";
   result.def_readonly("folder", &BakeResult::folder, "The folder that was written.")
       .def_property_readonly(
           "frames", [](const BakeResult& self) { return self.result.frames(); }, "Frames done after frame 0.")
       .def_property_readonly(
           "position_hash", [](const BakeResult& self) { return self.result.position_hash(); },
-          "Of the last frame, 16 hex digits, as the program prints it: equal hashes, equal bits.")
+          "The hash of the last frame, 16 hex digits, as the program prints it: equal hashes, equal bits.")
       .def_property_readonly(
           "look", [](const BakeResult& self) { return self.result.look(); },
-          "The worst that was measured of how it looks; 1 is the limit. NaN where that is not measured.")
+          "The worst look score; 1 is the limit. NaN if it was not measured.")
       .def_property_readonly(
           "files", [](const BakeResult& self) { return self.result.files(); }, "The files that were written.")
       .def("__repr__", [](const BakeResult& self) {

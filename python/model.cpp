@@ -101,28 +101,29 @@ std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
   return without_lock([&] { return std::make_shared<fascicle::model>(list); });
 }
 
-constexpr const char* model_text = R"(A body as flat arrays, which solvers share.
+constexpr const char* model_text = R"(A body as flat arrays, shared by solvers.
 
-Model(scene) fills, cuts into layers, grows fibres and chooses substeps; it takes from a second to minutes.
+Model(scene) fills the body with tetrahedra, divides it into layers, computes fibres and chooses substeps. It takes from
+a second to minutes.
 
     mesher    the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
-    cache     folder for filled bodies; "": none; None: as the program's
-    progress  called with ("build", 0, 0) again and again; False or an exception ends the build
+    cache     folder for filled bodies; "": none; None: the program's default
+    progress  called with ("build", 0, 0) repeatedly; returning False or raising ends the build
     log       called with ("detail", "info" or "warning", message)
 
-A model does not change: threads may share it. Raises BadInput where the scene cannot be built, Cancelled where
-progress returned False, and KeyboardInterrupt on ctrl-C.)";
+A model is immutable, so threads may share it. Raises BadInput if the scene cannot be built, Cancelled if progress
+returned False, and KeyboardInterrupt on Ctrl-C.)";
 
-constexpr const char* arrays_text = R"(The model's arrays by their names, as host/model/model.h has them.
+constexpr const char* arrays_text = R"(The model's arrays by name, as in host/model/model.h.
 
 A dict of one-dimensional, read-only arrays over the model's own memory, without a copy: float32, float64,
-uint32, uint8 (truth values) or records as bytes (V8, ...). Names of layers and the like are lists of str.
-Working units.)";
+uint32, uint8 (booleans) or records as bytes (V8, ...). Names, such as those of layers, are lists of str.
+In working units.)";
 
-constexpr const char* of_arrays_text = R"(A model of arrays of your own, as `arrays` gives them.
+constexpr const char* of_arrays_text = R"(A model from your own arrays, in the form of `arrays`.
 
-They are copied and checked: every size, index, range and symmetry, because solvers rely on them. What is
-left out is empty. Such a model has no scene: step it by Solver.step_drive. Raises BadArgument or BadInput.)";
+The arrays are copied, and every size, index, range and symmetry is checked, because solvers rely on them. Omitted
+arrays are empty. Such a model has no scene: step it with Solver.step_drive. Raises BadArgument or BadInput.)";
 
 }  // namespace
 
@@ -138,10 +139,10 @@ void add_model(py::module_& module) {
       .def_property_readonly("vertex_count", &model::vertex_count, "Vertices of the body.")
       .def_property_readonly("tetrahedron_count", &model::tetrahedron_count, "Tetrahedra of the body.")
       .def_property_readonly("surface_vertex_count", &model::surface_vertex_count,
-                             "Vertices of the mesh that is rendered, in the file's order; 0 without one.")
+                             "Vertices of the render mesh, in the file's order; 0 without one.")
       .def_property_readonly("joint_count", &model::joint_count, "Joints of a pose.")
       .def_property_readonly("substeps", &model::substeps,
-                             "Substeps of a frame; 0 of a model of arrays, whose drives say it.")
+                             "Substeps per frame; 0 for a model from arrays, whose drives give it.")
       .def_property_readonly("arrays", &arrays_of, arrays_text)
       .def("__repr__", [](const model& self) {
         return "<fascicle.Model, " + std::to_string(self.vertex_count()) + " vertices>";

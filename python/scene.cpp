@@ -64,26 +64,26 @@ std::vector<std::string> texts_until_null(At at) {
   return texts;
 }
 
-constexpr const char* scene_text = R"(What an artist said, read and checked, with the meshes it names loaded.
+constexpr const char* scene_text = R"(A scene, read and checked, with the meshes it names loaded.
 
 Scene(name) reads a scene file (.toml), a mesh, a character (.glb .gltf .vrm, and .fbx .dae where
 fascicle-convert is installed) or a built-in scene.
 
-    set         changes of keys of the scene file: a mapping {"layers.fat.alpha": 0.2}, whose values
-                may be mappings again, or a list of texts as "layers.fat.alpha=0.2"
+    set         overrides for keys of the scene file: a mapping {"layers.fat.alpha": 0.2}, whose values
+                may be mappings too, or a list of strings such as "layers.fat.alpha=0.2"
     clip        the character's clip, by name, by the last part of its name or by number; None: the first
-    fps         frames a second
+    fps         frames per second
     start, end  of the clip, s
-    softness    how many times as soft all flesh is
-    exaggerate  how many times as far flesh trails
+    softness    factor by which all flesh is softer
+    exaggerate  factor by which flesh trails further
     converter   the program fascicle-convert; None: found beside the library, in its prefix or on PATH
-    **tables    tables of the scene file by their names, as `set` has them: layers={"fat": {"alpha": 0.2}}
+    **tables    tables of the scene file by name, as in `set`: layers={"fat": {"alpha": 0.2}}
 
-None is what the scene says. A scene does not change: threads may share it.
-Raises BadInput where it cannot be used.)";
+None uses the scene's value. A scene is immutable, so threads may share it.
+Raises BadInput if it cannot be used.)";
 
-constexpr const char* parse_text = R"(The same of a scene file's text. `folder` is what its file names are
-relative to; "" is the working directory.)";
+constexpr const char* parse_text = R"(The same from the text of a scene file. Its file names are relative
+to `folder`; "" is the working directory.)";
 
 }  // namespace
 
@@ -105,7 +105,7 @@ void add_scene(py::module_& module) {
       .def_property_readonly("joint_names", &joint_names,
                              "The character's joints, parents before their children; [] without a skeleton.")
       .def_property_readonly("joint_parents", &joint_parents,
-                             "The parent of each joint as an index into joint_names; -1 of a root.")
+                             "The parent of each joint as an index into joint_names; -1 for a root.")
       .def_property_readonly("clip_names", &clip_names, "The character's clips.")
       .def("__repr__", [](const fascicle::scene& self) { return "<fascicle.Scene '" + self.name() + "'>"; });
   module.def(

@@ -149,44 +149,47 @@ void load_state(Solver& self, const py::bytes& state) {
 
 constexpr const char* solver_text = R"(A body in motion, at rest before frame 0.
 
-    model       what moves
-    device      where; None opens "auto" for this solver
-    rotation    "qcp" or "mueller2016"; None: as the scene says, here and below
+    model       the model to move
+    device      the device to run on; None opens "auto" for this solver
+    rotation    "qcp" or "mueller2016"; None: the scene's
     iterations  of an implicit substep; None: as many as the scene's own substeps need (longer ones need more)
 
-Arrays `positions`, `velocities` and `surface` are the solver's own memory, without a copy. While one of them
-is in use the solver does not go on: it raises BufferError. Let go of them (del), or take copies.
-One thread uses a solver at a time; a second one is refused by RuntimeError. It works without the
-interpreter's lock.)";
+The arrays `positions`, `velocities` and `surface` are the solver's own memory, not copies. While one of them
+is in use, stepping raises BufferError. Delete them (del), or make copies.
+Only one thread may use a solver at a time; a call from a second thread raises RuntimeError. The solver releases
+the GIL while it works.)";
 
-constexpr const char* start_clip_text = R"(To frame 0 of the scene's clip, after preroll and settling, with a
-bake's bits. `progress` is called with ("lead-in", frames done, 0) before each frame; False or an exception ends it.)";
+constexpr const char* start_clip_text =
+    R"(Moves to frame 0 of the scene's clip, after preroll and settling, with the
+same bits as a bake. `progress` is called with ("lead-in", frames done, 0) before each frame; returning False or
+raising ends the work.)";
 
-constexpr const char* start_pose_text = R"(At rest in a pose: frame 0, at the scene's start time.
+constexpr const char* start_pose_text = R"(Starts at rest in a pose: frame 0, at the scene's start time.
 
     joints  float64, (joints, 4, 4), in the order of Scene.joint_names: the affine map from the joint's own
             space to the world, in the metres of the character's file. None without a skeleton)";
 
-constexpr const char* step_pose_text = R"(A frame of 1/fps to a pose.
+constexpr const char* step_pose_text = R"(Steps a frame of 1/fps to a pose.
 
-    joints  float64, (joints, 4, 4), as start_pose takes it; or (substeps, joints, 4, 4), one for each of
-            Model.substeps. Between frames maps are mixed linearly: give substeps where joints turn by more
-            than about ten degrees a frame. Contiguous float64 is not copied
-    time    s, at the frame's end: forces and contractions are read there; None: goes on by 1/fps
-    jumps   a teleport: the flesh is carried along and feels nothing of it)";
+    joints  float64, (joints, 4, 4), as for start_pose; or (substeps, joints, 4, 4), one pose for each of
+            Model.substeps. Between frames the maps are interpolated linearly: give substeps if joints rotate
+            by more than about ten degrees per frame. Contiguous float64 is not copied
+    time    s, at the end of the frame; forces and contractions are evaluated there. None: advances by 1/fps
+    jumps   True: a teleport, which carries the flesh along without any effect on its motion)";
 
-constexpr const char* step_drive_text = R"(A frame by what a solver eats, in working units (`unit` metres).
+constexpr const char* step_drive_text =
+    R"(Steps a frame with a solver's raw inputs, in working units (`unit` metres).
 
-    h             s, of a substep
-    substeps      of the frame; arrays below hold substeps x the model's number of items
-    origin        m: what this frame's positions are relative to
-    origin_shift  origin less the last frame's, working units
+    h             s, length of a substep
+    substeps      of the frame; the arrays below hold substeps x the model's number of items
+    origin        m: the point that this frame's positions are relative to
+    origin_shift  origin minus the previous frame's, working units
     gravity       working units / s^2
     bones         float32, (n, 16): a 3 x 4 map row by row, its change of gravity, 0
     muscles       float32, (n, 5): tau, swell, twist
     forces        float32, (n, 4): the vector, 0
     decay         float32, (layers,): exp(-damping h)
-    colliders     float32, (n, 32): two maps, shape and friction, as fascicle/solver.h says)";
+    colliders     float32, (n, 32): two maps, shape and friction, as in fascicle/solver.h)";
 
 void add_views(py::class_<Solver, Handle>& type) {
   using namespace py::literals;
@@ -202,12 +205,12 @@ void add_views(py::class_<Solver, Handle>& type) {
           "in the file's vertex order; (0, 3) without a surface.")
       .def("world_positions", &world<fascicle_solver_positions, &fascicle_frame::vertex_count>,
            "out"_a = py::none(),
-           "float32, (vertices, 3): metres in the world. Fills and returns `out` where it is given.")
+           "float32, (vertices, 3): metres in the world. Fills and returns `out` if it is given.")
       .def("world_surface", &world<fascicle_solver_surface, &fascicle_frame::surface_vertex_count>,
            "out"_a = py::none(),
            "float32, (surface vertices, 3): metres in the world, in the file's vertex order, without its "
            "blend "
-           "shapes. Fills and returns `out` where it is given.");
+           "shapes. Fills and returns `out` if it is given.");
 }
 
 }  // namespace
@@ -220,7 +223,7 @@ void add_solver(py::module_& module) {
   py::class_<Solver, Handle> type(module, "Solver", solver_text);
   type.attr("__module__") = "fascicle";
   type.def(py::init(&make_solver), "model"_a, "device"_a = none, py::kw_only(), "rotation"_a = none,
-           "iterations"_a = none, "Makes a solver, at rest.")
+           "iterations"_a = none, "Creates a solver, at rest.")
       .def(
           "start_clip",
           [](Solver& self, const py::object& progress) {
@@ -230,26 +233,26 @@ void add_solver(py::module_& module) {
       .def(
           "step_clip",
           [](Solver& self) { move_on(self, [](fascicle::solver& solver) { solver.step_clip(); }); },
-          "To the clip's next frame; its last pose is held after its end.")
+          "Steps to the clip's next frame; after its end, its last pose is held.")
       .def("start_pose", &start_pose, "joints"_a = none, start_pose_text)
       .def("step_pose", &step_pose, "joints"_a = none, py::kw_only(), "time"_a = none, "jumps"_a = false,
            step_pose_text)
       .def("clip_pose", &clip_pose, "frame"_a,
-           "float64, (joints, 4, 4): the clip's own pose at the end of a frame, to change and give back.")
+           "float64, (joints, 4, 4): the clip's pose at the end of a frame, to modify and pass to step_pose.")
       .def("step_drive", &step_drive, py::kw_only(), "h"_a, "substeps"_a = 1, "origin"_a = no_origin,
            "origin_shift"_a = zero, "gravity"_a = zero, "bones"_a = none, "muscles"_a = none,
            "forces"_a = none, "decay"_a = none, "colliders"_a = none, step_drive_text)
       .def_property_readonly(
-          "frame", [](Solver& self) { return frame_of(self).index; }, "The frame that the solver is at.")
+          "frame", [](Solver& self) { return frame_of(self).index; }, "The number of the current frame.")
       .def_property_readonly(
-          "unit", [](Solver& self) { return frame_of(self).unit; }, "Metres a working unit.")
+          "unit", [](Solver& self) { return frame_of(self).unit; }, "Metres per working unit.")
       .def_property_readonly(
           "origin",
           [](Solver& self) {
             const fascicle_frame frame = frame_of(self);
             return py::array_t<double>(3, frame.origin);
           },
-          "float64, (3,): m in the world, what this frame's positions are relative to. A copy.")
+          "float64, (3,): m in the world, the point that this frame's positions are relative to. A copy.")
       .def_property_readonly(
           "position_hash",
           [](Solver& self) {
@@ -257,10 +260,10 @@ void add_solver(py::module_& module) {
             return self.solver.position_hash();
           },
           "16 hex digits, as the program prints it: equal hashes, equal bits.")
-      .def("save", &save_state, "All history as bytes.")
-      .def(
-          "load", &load_state, "state"_a,
-          "Goes on from saved bytes with the same bits, in a solver of the same model, on any exact device.");
+      .def("save", &save_state, "The complete state as bytes.")
+      .def("load", &load_state, "state"_a,
+           "Continues from saved bytes with the same bits, in a solver of the same model, on any exact "
+           "device.");
   add_views(type);
 }
 

@@ -4,12 +4,12 @@
 
     fascicle.bake("man.glb", clip="jump", layers={"fat": {"material": "fat"}}, formats=["glb"], progress=True)
 
-Three levels: bake a scene (bake); build a model and step its frames by a clip or by poses of your own (Scene,
-Model, Solver); or only the solver, on flat arrays (Model.of_arrays, Solver.step_drive).
+Three levels: bake a scene (bake); build a model and step it frame by frame with a clip or your own poses (Scene,
+Model, Solver); or use the solver alone, on flat arrays (Model.of_arrays, Solver.step_drive).
 
-Metres, kilograms, seconds, radians; right-handed, Y up. What fails raises a kind of fascicle.Error, which says
-what, where and what to do. The library works without the interpreter's lock. Ctrl-C ends a bake after the frames
-that are under way.
+Metres, kilograms, seconds, radians; right-handed, Y up. Errors are subclasses of fascicle.Error, whose message says
+what, where and what to do. The library releases the GIL while it works. Ctrl-C ends a bake after the frames in
+progress.
 """
 
 import os as _os
@@ -34,32 +34,32 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     """Builds, simulates and writes a scene, as `fascicle bake` does, with the same bytes.
 
     scene          a Scene, or what Scene takes: a scene file, a mesh, a character or a built-in scene
-    folder         to write; None: out/ and the scene's name
+    folder         the output folder; None: out/ and the scene's name
     clip, fps, start, end, softness, exaggerate, converter, set, **tables
-                   as Scene takes them: layers={"fat": {"material": "fat"}}. Not beside a Scene
-    formats        what to write beside frame cache, manifest and metrics: see formats(); "none": nothing
-    device         as Device takes it; of several, "vulkan:0,cpu", the next goes on where one fails
-    threads        of the CPU solver; 0: one for each core
+                   as for Scene: layers={"fat": {"material": "fat"}}. Not allowed with a Scene object
+    formats        what to write in addition to frame cache, manifest and metrics: see formats(); "none": nothing
+    device         as for Device. Several may be given, "vulkan:0,cpu": if one fails, the next continues
+    threads        of the CPU solver; 0: one per core
     mesher         the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
-    cache          folder for filled bodies, starts and compiled shaders; "": none; None: as the program's
-    overwrite      replaces the bake that is in the folder
-    resume         goes on with the bake that is in the folder, to the same bytes
-    keep_frames    False: the frame cache goes once the formats are whole; nothing can be exported or drawn later. Takes
-                   a format, or formats="none" where the metrics are all you want
-    usd_skel       in usda skinning alone stands beside the baked points
-    first_frame    number of the first frame in what other programs read; None: what is written begins at 0
-    glb_stride     glb: a morph target every so many frames
-    glb_error      glb: as few targets as keep a viewer this near, m; None: by the stride
-    glb_tolerance  glb: vertices nearer than this to skinning are left to it, m; None: next to nothing
-    glb_compress   glb: quantised by this much at most, m, and compressed; None: not
-    progress       True: a bar on stderr; or called with (phase, done, total): ("build", 0, 0) again and again while
-                   the model is built, ("lead-in", done, 0) before each frame that is stepped before frame 0, and
-                   ("frames", done, total) after each frame. False or an exception ends the bake
-    log            called with ("detail", "info" or "warning", message). The default is Python's logging under the
-                   name "fascicle"; None: nobody listens
+    cache          folder for filled bodies, starts and compiled shaders; "": none; None: the program's default
+    overwrite      replaces the bake in the folder
+    resume         continues the bake in the folder, to the same bytes
+    keep_frames    False: deletes the frame cache once the formats are complete; nothing can be exported or drawn later.
+                   Needs a format, or formats="none" if you want only the metrics
+    usd_skel       usda also holds the character by skinning alone
+    first_frame    number of the first frame in the files for other programs; None: they begin at 0
+    glb_stride     glb: one morph target per this many frames
+    glb_error      glb: as few targets as keep a viewer within this error, m; None: use the stride
+    glb_tolerance  glb: vertices nearer than this to skinning are only skinned, m; None: almost none
+    glb_compress   glb: quantise with at most this error, m, and compress; None: do not
+    progress       True: a bar on stderr; or a function called with (phase, done, total): ("build", 0, 0) repeatedly
+                   while the model is built, ("lead-in", done, 0) before each frame stepped before frame 0, and
+                   ("frames", done, total) after each frame. Returning False or raising ends the bake
+    log            a function called with ("detail", "info" or "warning", message). The default is Python's logging
+                   under the name "fascicle"; None: no messages
 
-    Returns a BakeResult. Raises Cancelled where progress returned False, and KeyboardInterrupt on ctrl-C; the same
-    bake with resume=True goes on to the same bytes. Raises BadArgument where the folder holds a bake already.
+    Returns a BakeResult. Raises Cancelled if progress returned False, and KeyboardInterrupt on Ctrl-C; the same bake
+    with resume=True continues to the same bytes. Raises BadArgument if the folder already holds a bake.
     """
     chosen = {"clip": clip, "fps": fps, "start": start, "end": end, "softness": softness, "exaggerate": exaggerate,
               "converter": converter, "set": set}

@@ -1,20 +1,20 @@
-"""What fails raises an Error of a kind, with the words of the program."""
+"""The exceptions: subclasses of Error, with the program's messages."""
 
 
 class Error(Exception):
-    """Says what, where and what to do. `status` is the number that the program would exit with."""
+    """The message says what, where and what to do. `status` is the exit status that the program would return."""
 
     status = 1
 
 
 class Failed(Error, RuntimeError):
-    """Disk full, out of memory."""
+    """Disk full or out of memory, for example."""
 
     status = 1
 
 
 class BadArgument(Error, ValueError):
-    """A wrong size, an unknown name, a folder that holds a bake already."""
+    """A wrong size, an unknown name, or a folder that already holds a bake."""
 
     status = 2
 
@@ -26,31 +26,31 @@ class BadInput(Error, ValueError):
 
 
 class NoSuchDevice(Error, RuntimeError):
-    """There is none, or it cannot run this model."""
+    """The device does not exist, or cannot run this model."""
 
     status = 4
 
 
 class NotFinite(Error, ArithmeticError):
-    """The simulation left the finite numbers."""
+    """The simulation produced infinity or NaN."""
 
     status = 5
 
 
 class DeviceFailed(Error, RuntimeError):
-    """A device failed or was lost on the way, and no other was named. The same bake with resume=True goes on."""
+    """A device failed or was lost during the work, and no other was named. The same bake with resume=True continues."""
 
     status = 7
 
 
 class Cancelled(Error):
-    """A progress callback returned False. The same bake with resume=True goes on."""
+    """A progress callback returned False. The same bake with resume=True continues."""
 
     status = 75
 
 
 def error_of(status, message):
-    """The error of a status of the C API."""
+    """The exception for a status of the C API."""
     for kind in (BadArgument, BadInput, NoSuchDevice, NotFinite, DeviceFailed, Cancelled):
         if kind.status == status:
             return kind(message)

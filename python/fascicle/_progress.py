@@ -6,10 +6,10 @@ import time
 
 
 class ProgressBar:
-    """A line of text that is written over itself: progress=ProgressBar().
+    """A progress line that overwrites itself: progress=ProgressBar().
 
-    `file` is where it goes; None is sys.stderr, which a notebook shows too. Where it is neither a terminal nor
-    a notebook, a line is written at each tenth of the way.
+    `file` is where it is written; None is sys.stderr, which a notebook shows too. If the file is neither a terminal
+    nor a notebook, a line is written for each tenth of the work.
     """
 
     def __init__(self, file=None, width=30):
@@ -44,7 +44,7 @@ class ProgressBar:
         file.flush()
 
     def text(self, phase, done, total, seconds):
-        """The line, of the seconds since the work began."""
+        """The line, given the seconds since the work began."""
         if phase == "build":
             return "building the body"
         if phase == "lead-in":
@@ -60,7 +60,7 @@ def _overwrites(file):
 
 
 def progress_function(progress):
-    """What `progress` stands for: True is a bar on stderr; None and False are nothing."""
+    """The callback for `progress`: True is a bar on stderr; None and False are no callback."""
     if progress is True:
         return ProgressBar()
     return None if progress is False else progress
@@ -70,5 +70,5 @@ _levels = {"detail": logging.DEBUG, "info": logging.INFO, "warning": logging.WAR
 
 
 def log_to_logging(severity, message):
-    """The default of `log`: Python's own logging, under the name fascicle. Warnings are shown, the rest is not."""
+    """The default of `log`: Python's logging, under the name fascicle. By default it shows warnings only."""
     logging.getLogger("fascicle").log(_levels[severity], "%s", message)

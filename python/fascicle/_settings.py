@@ -1,4 +1,4 @@
-"""Settings of a scene as the library takes them: texts such as 'layers.fat.alpha=0.2'."""
+"""Converts settings of a scene to the library's form: strings such as 'layers.fat.alpha=0.2'."""
 
 import math
 import os
@@ -52,7 +52,7 @@ def _flat(table, path):
 
 
 def settings(set, tables):
-    """The texts of `set`, a mapping or a list of texts, then those of tables of the scene file by name."""
+    """The strings for `set`, a mapping or a list of strings, then those for tables of the scene file by name."""
     if set is None:
         texts = []
     elif isinstance(set, Mapping):
