@@ -1,5 +1,5 @@
-# cmake --install: the programs, the shared library, and what another project needs to use it. Each file belongs to a
-# component, which is a Debian package too (cmake/packages.cmake).
+# cmake --install: the programs, the shared library, and what other projects need to use it. Each file belongs to a
+# component, which is also a Debian package (cmake/packages.cmake).
 include(CMakePackageConfigHelpers)
 
 install(TARGETS fascicle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
@@ -20,17 +20,17 @@ if(TARGET fascicle_library)
     DESTINATION ${config_folder} COMPONENT development)
   configure_package_config_file(cmake/fascicle-config.cmake.in ${CMAKE_BINARY_DIR}/fascicle-config.cmake
     INSTALL_DESTINATION ${config_folder})
-  # Before 1.0 another minor version is another interface.
+  # Before 1.0, each minor version may change the interface.
   write_basic_package_version_file(${CMAKE_BINARY_DIR}/fascicle-config-version.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${CMAKE_BINARY_DIR}/fascicle-config.cmake ${CMAKE_BINARY_DIR}/fascicle-config-version.cmake
     DESTINATION ${config_folder} COMPONENT development)
-  # From its own place, so that a prefix may be moved.
+  # Relative to the file, so that a prefix may be moved.
   file(RELATIVE_PATH pc_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
   configure_file(cmake/fascicle.pc.in ${CMAKE_BINARY_DIR}/fascicle.pc @ONLY)
   install(FILES ${CMAKE_BINARY_DIR}/fascicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endif()
 
-# The manual page and the completions are what the program says of itself.
+# The program itself generates the manual page and the completions.
 set(manual_folder ${CMAKE_BINARY_DIR}/manual)
 add_custom_command(
   OUTPUT ${manual_folder}/fascicle.1 ${manual_folder}/fascicle ${manual_folder}/_fascicle ${manual_folder}/fascicle.fish
@@ -42,7 +42,7 @@ add_custom_command(
   DEPENDS fascicle
   VERBATIM)
 add_custom_target(fascicle_manual ALL DEPENDS ${manual_folder}/fascicle.1)
-# zsh looks for what /usr holds in a folder of its own.
+# Under /usr, zsh searches a different folder.
 set(zsh_folder site-functions)
 if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   set(zsh_folder vendor-completions)
@@ -54,8 +54,8 @@ install(FILES ${manual_folder}/_fascicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zs
 install(FILES ${manual_folder}/fascicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
   COMPONENT program)
 
-# Every package carries its own licence. The program holds the browser's pages, which three.js is part of; its notice
-# begins their script.
+# Every package contains its own licence. The program contains the browser pages, which include three.js; its notice
+# is at the start of their script.
 file(READ web/bundle/view.html page)
 string(REGEX MATCH "three\\.js, https://threejs\\.org[^*]*" notice "${page}")
 if(NOT notice MATCHES "MIT License")
@@ -76,8 +76,8 @@ if(TARGET fascicle_python)
     PATTERN __pycache__ EXCLUDE)
 endif()
 
-# What is in each package (cmake/sbom.py), of the files as they were installed; of all of it where no component is
-# named. While packages are made (cmake/packing.cmake) what the list cannot say is an error.
+# Lists the contents of each package (cmake/sbom.py) from the installed files; of all files if no component is given.
+# While packages are made (cmake/packing.cmake), a gap in the list is an error.
 set(sbom_components program mesher)
 if(TARGET fascicle_library)
   list(APPEND sbom_components library development)

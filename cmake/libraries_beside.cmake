@@ -1,12 +1,13 @@
 # cmake -D PROGRAM=... -P libraries_beside.cmake
-# Copies the shared libraries that a program needs beyond the C library into the program's folder.
+#
+# Copies the shared libraries that a program needs, except the C library, into the program's folder.
 cmake_minimum_required(VERSION 3.25)
 
 get_filename_component(folder ${PROGRAM} DIRECTORY)
 file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${PROGRAM} RESOLVED_DEPENDENCIES_VAR found
   CONFLICTING_DEPENDENCIES_PREFIX conflict
   PRE_EXCLUDE_REGEXES "^ld-linux" "^libc\\.so" "^libm\\.so")
-# Where the program is linked again, it finds the copies of before beside the system's.
+# When the program is linked again, both the earlier copies and the system's libraries are found.
 foreach(name IN LISTS conflict_FILENAMES)
   list(APPEND found ${conflict_${name}})
 endforeach()

@@ -1,4 +1,4 @@
-# Debian packages by CPack: `./do package`. The mesher is apart, because its binary is under another licence.
+# Debian packages by CPack: `./do package`. The mesher has its own package, because its binary has another licence.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME fascicle)
 set(CPACK_PACKAGE_VENDOR "fascicle")
@@ -22,13 +22,13 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME fascicle)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION 
   "From a rigged, animated character it bakes how muscle and fat stretch, lag and jiggle. This is the program.")
-# Vulkan is loaded at run time where it is there; bars and tetrahedral meshes need no mesher.
+# Vulkan is loaded at run time if it is available; bars and tetrahedral meshes need no mesher.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "fascicle-mesher, libvulkan1")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "mesa-vulkan-drivers, blender")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libfascicle${PROJECT_VERSION_MAJOR})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-# Others that are packaged against the library depend on it by this.
+# Lets packages that link the library depend on this one.
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "fascicle-mesher, libvulkan1")
@@ -54,7 +54,7 @@ if(TARGET fascicle_python)
   set(its_python "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python})")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "libfascicle${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), ${its_python}, python3-numpy")
-  # dpkg-shlibdeps finds libfascicle here; it is in none of the packages that are installed.
+  # dpkg-shlibdeps finds libfascicle here, because no installed package contains it.
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION 
     "This is the Python module: bakes, and solvers as numpy arrays.")

@@ -1,3 +1,3 @@
-# What CPack reads before it installs what it packs: the lists of what is in the packages must be whole
+# CPack reads this before it installs what it packs: the lists of package contents must be complete
 # (cmake/install.cmake).
 set(ENV{FASCICLE_PACKING} 1)

@@ -1,8 +1,8 @@
-# The portable pair, for any distribution: `fascicle`, which needs only the C library, and `fascicle-mesher`, whose
-# libraries lie beside it. Both are linked from the objects of the usual programs, into the folder portable.
+# The portable pair, for any distribution: `fascicle`, which needs only the C library, and `fascicle-mesher`, with its
+# libraries in the same folder. Both are linked from the objects of the usual programs, into the folder portable.
 set(pair_folder ${CMAKE_BINARY_DIR}/portable)
 
-# Debian's archives, so that the executable needs none of these beside it.
+# Debian's static libraries, so that the executable does not need the shared ones.
 foreach(library z png jpeg)
   find_library(FASCICLE_ARCHIVE_${library} lib${library}.a REQUIRED)
   add_library(fascicle_${library}_archive INTERFACE)
@@ -10,8 +10,8 @@ foreach(library z png jpeg)
 endforeach()
 target_link_libraries(fascicle_png_archive INTERFACE fascicle_z_archive)
 
-# Debian has TetGen as a shared library only, and it needs the C++ library as one. A portable mesher has all three
-# beside it. DT_RPATH, not DT_RUNPATH: it is also asked for what TetGen's library needs.
+# Debian has TetGen only as a shared library, which needs the shared C++ library. A portable mesher has all of them in
+# its folder. DT_RPATH instead of DT_RUNPATH, because it also applies to the libraries that TetGen needs.
 add_executable(mesher_portable $<TARGET_OBJECTS:fascicle-mesher>)
 set_target_properties(mesher_portable PROPERTIES
   OUTPUT_NAME fascicle-mesher RUNTIME_OUTPUT_DIRECTORY ${pair_folder} LINKER_LANGUAGE CXX BUILD_RPATH "$ORIGIN")
@@ -30,7 +30,7 @@ add_dependencies(fascicle_portable mesher_portable)
 find_program(READELF readelf REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
-# What is in the pair, as the packages say it of themselves (cmake/install.cmake).
+# The contents of the pair, as in the packages (cmake/install.cmake).
 set(pair_contents ${pair_folder}/fascicle.spdx.json)
 add_custom_command(OUTPUT ${pair_contents}
   COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/cmake/sbom.py --name fascicle-portable

@@ -1,6 +1,6 @@
-# Whether `import fascicle` is built: where pybind11, Python and the shared library are.
+# `import fascicle` is built if pybind11, Python and the shared library are available.
 
-# Debian's own Python, which has Debian's numpy; another may stand before it on PATH.
+# Debian's own Python, which has Debian's numpy; PATH may have another one first.
 if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
   set(Python3_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "The Python that fascicle's module is for")
 endif()
@@ -11,7 +11,7 @@ if(FASCICLE_SANITIZE)
   set(how_loud STATUS)
 else()
   find_package(Python3 COMPONENTS Interpreter Development.Module)
-  # Its headers alone: what else it finds is for an older way to look for Python.
+  # Only its headers: the rest of its package uses an older way to find Python.
   set(PYBIND11_NOPYTHON ON)
   find_package(pybind11 2.10 CONFIG)
   if(NOT Python3_Development.Module_FOUND)
