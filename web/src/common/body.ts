@@ -32,7 +32,7 @@ export interface Looks {
 
 const WRAPS = { repeat: RepeatWrapping, mirror: MirroredRepeatWrapping, clamp: ClampToEdgeWrapping };
 
-// Null where it cannot be read: the material's plain colour stands for it.
+// Null if it cannot be decoded; the material's plain colour is used instead.
 export async function load_texture_bytes(
   bytes: Uint8Array<ArrayBuffer>,
   type: string,
@@ -63,7 +63,7 @@ export function load_textures(textures: PageTexture[]): Promise<(Texture | null)
   );
 }
 
-// Those of a body and of its ghost are one and the same.
+// Shared by a body and its ghost.
 export class BodyMaterials {
   readonly painted: MeshStandardMaterial[];
   readonly coloured = new MeshStandardMaterial({ vertexColors: true, roughness: 0.85, side: DoubleSide });
@@ -75,7 +75,7 @@ export class BodyMaterials {
     opacity: 0.38,
     depthWrite: false,
     side: FrontSide,
-    // Where it is no further out than flesh, flesh is shown.
+    // Where the ghost is not further out than the flesh, show the flesh.
     polygonOffset: true,
     polygonOffsetFactor: 2,
     polygonOffsetUnits: 16,
@@ -96,14 +96,14 @@ export class BodyMaterials {
       return made;
     });
     for (const surface of [...this.painted, this.coloured, this.plain]) {
-      // Lines lie on what they belong to.
+      // Draw edge lines in front of their surface.
       surface.polygonOffset = true;
       surface.polygonOffsetFactor = 1;
       surface.polygonOffsetUnits = 1;
     }
   }
 
-  // Textures are whoever's they were.
+  // Does not dispose of textures: their owner does.
   dispose(): void {
     for (const one of [...this.painted, this.coloured, this.plain, this.ghost, this.lines]) one.dispose();
   }
@@ -139,7 +139,7 @@ export class Body {
     private readonly surface: Surface,
     private readonly looks: Looks,
     private readonly materials: BodyMaterials,
-    private readonly linear_colours: Float32Array | null = null, // 3 a vertex, in place of the surface's own
+    private readonly linear_colours: Float32Array | null = null, // 3 per vertex, replace the surface's own
   ) {
     const vertices = surface.place.length;
     const dynamic = () => {
@@ -168,7 +168,7 @@ export class Body {
     this.group.add(this.mesh);
   }
 
-  // `places`: 3 a place, m.
+  // `places`: 3 per place, m.
   move(places: Float32Array): void {
     const { place } = this.surface;
     const positions = this.positions.array as Float32Array;
@@ -183,7 +183,7 @@ export class Body {
     this.normal_values.needsUpdate = true;
   }
 
-  // `lag`: m, one a place, for that colouring; null where it has none to show.
+  // `lag`: m, one per place, for that colouring; null if there is none to show.
   colour(colouring: Colouring, lag: Float32Array | null, most_lag: number): void {
     const { place, layer, colours } = this.surface;
     if (colouring === "lag" && !lag) {
@@ -210,7 +210,7 @@ export class Body {
     this.colour_values.needsUpdate = true;
   }
 
-  // By a function of the vertex's number in the bake, which writes three entries.
+  // Uses a function of the vertex's number in the bake, which writes three entries.
   colour_by(write: (vertex: number, to: Float32Array, at: number) => void): void {
     this.mesh.material = this.materials.coloured;
     this.coloured_as = null;

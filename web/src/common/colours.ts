@@ -1,4 +1,4 @@
-// Colours in linear light, as host/render/colour.cpp has them.
+// Colours in linear light, as in host/render/colour.cpp.
 
 export type Colour = readonly [number, number, number];
 
@@ -12,7 +12,7 @@ export function linear_of_hex(hex: string): Colour {
   return [channel(1), channel(3), channel(5)];
 }
 
-// Dark violet at 0 over green to yellow at 1, evenly brighter all the way.
+// Dark violet at 0 through green to yellow at 1, with evenly rising lightness.
 export const SCALE = ["#3b1054", "#3f4788", "#2d718e", "#1f9c88", "#6cc35a", "#f9e52a"];
 const STOPS = SCALE.map(linear_of_hex);
 

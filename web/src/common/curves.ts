@@ -1,19 +1,19 @@
-// Curves over the time line, each in a lane of its own, with a mark at the frame that is shown.
+// Curves over the time line, each in its own lane, with a mark at the current frame.
 import type { Curve } from "./film";
 import { nice_above, short_number } from "./numbers";
 
 export interface Line {
   curve: Curve;
-  colour: string; // of the style sheet
+  colour: string; // name in the style sheet
   dashed?: boolean;
 }
 
-// Curves of one unit, on one scale.
+// Curves with the same unit, on one scale.
 export interface Lane extends Line {
   more?: Line[];
 }
 
-// The least and the greatest value, of all of them and 0 where that is near.
+// The minimum and maximum over all curves, extended to 0 if it is close.
 export function range_of(...curves: Curve[]): [number, number] {
   let least = Infinity;
   let most = -Infinity;
@@ -39,23 +39,23 @@ export function value_text(curve: Curve, frame: number): string {
   const value = curve.values[frame];
   if (value === null || value === undefined) return "–";
   const [least, most] = range_of(curve);
-  // Nobody sees less of it than that.
+  // Too small to see in the curve.
   if (Math.abs(value) < 1e-4 * (most - least)) return curve.unit ? `0 ${curve.unit}` : "0";
   return curve.unit ? `${short_number(value)} ${curve.unit}` : short_number(value);
 }
 
-// What stands beside the curves.
+// The labels of the curves' axes.
 export interface Axis {
   fps: number;
-  start: number; // s, of frame 0
+  start: number; // s, at frame 0
 }
 
-const GUTTER = 62; // pixels at the left, for values
+const GUTTER = 62; // pixels on the left, for values
 const FOOT = 17; // pixels below, for times
 const PAD = 4; // pixels above and below a lane
-const SIZE = 10.5; // of letters, pixels
+const SIZE = 10.5; // font size, pixels
 
-// Round times (s) between two, about so many; with the digits that they need.
+// Round times (s) between start and end, about `wanted` of them, and the number of digits they need.
 export function time_ticks(start: number, end: number, wanted: number): { times: number[]; digits: number } {
   const span = end - start;
   if (!(span > 0)) return { times: [start], digits: Number.isInteger(start) ? 0 : 2 };
@@ -66,14 +66,14 @@ export function time_ticks(start: number, end: number, wanted: number): { times:
   return { times, digits };
 }
 
-// Two values as an axis has them: with as many digits as tell them apart.
+// Axis labels of two values, with enough digits to tell them apart.
 export function axis_texts(least: number, most: number): [string, string] {
   const span = Math.abs(most - least);
   const text = (value: number) => {
     if (Math.abs(value) < 1e-3 * span) return "0";
     const size = Math.max(Math.abs(least), Math.abs(most));
     const near = span < 0.1 * size;
-    // Of what lies close together three digits may be the same.
+    // Values close together may have the same three digits.
     if (near && size < 1e5) return value.toFixed(Math.min(Math.max(0, Math.ceil(1 - Math.log10(span))), 6));
     return short_number(value);
   };
@@ -82,7 +82,7 @@ export function axis_texts(least: number, most: number): [string, string] {
 
 export class CurvePlot {
   private readonly context: CanvasRenderingContext2D;
-  axis: Axis | null = null; // null: the curves have the whole width
+  axis: Axis | null = null; // null: the curves have the full width
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -147,7 +147,7 @@ export class CurvePlot {
         for (const y of [top, bottom]) rule(left - 4, Math.round(y) + 0.5, left, Math.round(y) + 0.5);
         rule(left - 0.5, Math.round(top), left - 0.5, Math.round(bottom) + 1);
         draw.fillText(lane.curve.unit ? `${high} ${lane.curve.unit}` : high, left - 7, top + 0.72 * SIZE);
-        // Where a lane is low, the greatest value counts.
+        // If a lane is low, label only its maximum.
         if (bottom - top > 1.7 * SIZE) draw.fillText(low, left - 7, bottom + 1);
       }
       if (lane.curve.limit !== null) {

@@ -1,4 +1,4 @@
-// The page's elements by their names; one that is missing is a mistake of ours.
+// A page element by its id; a missing one is a bug.
 
 export function element<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -10,7 +10,7 @@ export function checked(name: string): string {
   return document.querySelector<HTMLInputElement>(`input[name="${name}"]:checked`)?.value ?? "";
 }
 
-// As if the user had chosen it.
+// Acts as if the user had chosen it.
 export function choose(name: string, value: string): void {
   const input = document.querySelector<HTMLInputElement>(`input[name="${name}"][value="${value}"]`);
   if (!input || input.disabled || input.checked) return;
@@ -39,7 +39,7 @@ export function add_fact(list: HTMLElement, name: string, value: string): void {
   list.append(row);
 }
 
-// For those who do not see the page change.
+// Announces a change to screen readers.
 export function say(text: string): void {
   element("said").textContent = text;
 }

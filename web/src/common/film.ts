@@ -1,4 +1,4 @@
-// What a page holds of a bake: docs/formats.md, "The page of fascicle view".
+// A bake as a page holds it: docs/formats.md, "The page of fascicle view".
 import { lower_neighbours, MotionDecoder } from "./motion";
 import { NumberDecoder, RangeDecoder } from "./range_decoder";
 
@@ -67,7 +67,8 @@ export function bytes_of_base64(text: string): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-// Vertices as a graphics card wants them. Those of one place move together, those of one normal are lit alike.
+// Vertices for the graphics card. Vertices with the same place move together; those with the same normal are
+// lit alike.
 export interface Surface {
   places: number;
   triangles: Uint32Array;
@@ -81,10 +82,10 @@ export interface Surface {
 
 const UV_STEP = 1 / 16384;
 
-// A bake's frames, decoded one after the other by decode_next.
+// A bake's frames; decode_next decodes one after the other.
 export class Film {
   readonly surface: Surface;
-  readonly flesh: Int32Array[] = []; // cells, 3 a place
+  readonly flesh: Int32Array[] = []; // cells, 3 per place
   private readonly ghost: Int32Array[] = [];
   private readonly from: RangeDecoder;
   private readonly flesh_motion: MotionDecoder;
@@ -124,7 +125,7 @@ export class Film {
     return this.description.frames;
   }
 
-  // False once all frames are there.
+  // False once all frames are decoded.
   decode_next(): boolean {
     const k = this.flesh.length;
     if (k >= this.frames) return false;
@@ -138,7 +139,7 @@ export class Film {
     return this.ghost[Math.min(frame, this.ghost.length - 1)];
   }
 
-  // m, of each place, at most: how far flesh is from the ghost.
+  // m, an upper bound for each place: the distance of the flesh from the ghost.
   lag(frame: number, to: Float32Array): Float32Array {
     const flesh = this.flesh[frame];
     const ghost = this.ghost_of(frame);
@@ -151,7 +152,7 @@ export class Film {
     return to;
   }
 
-  // m from `centre`, 3 a place.
+  // m from `centre`, 3 per place.
   places(cells: Int32Array, centre: readonly number[], to: Float32Array): Float32Array {
     const { origin, step } = this.description;
     for (let axis = 0; axis < 3; ++axis) {

@@ -1,8 +1,8 @@
-// The keyboard: one table, which is also the page's help.
+// Keyboard bindings: one table, which is also the page's help.
 
 export interface Binding {
-  keys: string[]; // as KeyboardEvent.key has them; "Shift+" before those that want it
-  shown: string; // as people read them
+  keys: string[]; // as in KeyboardEvent.key, with "Shift+" in front if shift is required
+  shown: string; // as shown to the user
   does: string;
   run: () => void;
 }
@@ -30,7 +30,7 @@ function is_used_by(target: EventTarget | null, key: string): boolean {
 
 export function name_of_key(event: { key: string; shiftKey: boolean }): string {
   const letter = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  // Of what is no letter, shift is in the character already.
+  // For non-letters, the character already includes shift.
   const tells_shift = event.key.length > 1 || /[a-z]/.test(letter);
   return (event.shiftKey && tells_shift ? "Shift+" : "") + letter;
 }

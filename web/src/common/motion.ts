@@ -1,4 +1,4 @@
-// The other half of host/page/motion.cpp: frames of whole numbers out of a coded motion.
+// The decoder for host/page/motion.cpp: frames of integers from a coded motion.
 import { bit_length, NumberDecoder, RangeDecoder } from "./range_decoder";
 
 const AXES = 3;
@@ -11,7 +11,7 @@ const FACTORS = [
   [3, -3, 1],
 ];
 
-// Of each point at most four neighbours of lower numbers, those of the highest numbers, ascending. CSR.
+// For each point, at most four neighbours with lower numbers: those with the highest, ascending. CSR.
 export interface Neighbours {
   offset: Uint32Array;
   point: Uint32Array;
@@ -38,7 +38,7 @@ export function lower_neighbours(points: number, triangles: ArrayLike<number>): 
 
 export class MotionDecoder {
   private readonly numbers = new NumberDecoder(AXES * CONTEXTS);
-  // From the base: in the last three frames, the latest first.
+  // Offset from the base in the last three frames, latest first.
   private past: Int32Array[];
   private rest: Int32Array;
   private left: Int32Array;
@@ -55,7 +55,7 @@ export class MotionDecoder {
     this.before = make();
   }
 
-  // The next frame: 3 numbers a point. `base`: where the points were expected; null: at the grid's origin.
+  // The next frame: 3 numbers per point. `base`: predicted positions; null: the grid's origin.
   take(from: RangeDecoder, base: Int32Array | null): Int32Array {
     const factor = FACTORS[from.direct(2)];
     const { offset, point } = this.neighbours;

@@ -1,6 +1,6 @@
 import type { Surface } from "./film";
 
-// Smooth normals: each triangle counts by its area, and vertices of one normal number share theirs.
+// Smooth normals: triangles are weighted by area, and vertices with the same normal number share a normal.
 export class Normals {
   private readonly sums: Float32Array;
 
@@ -8,7 +8,7 @@ export class Normals {
     this.sums = new Float32Array(3 * (1 + surface.normal.reduce((most, n) => Math.max(most, n), 0)));
   }
 
-  // `positions` and `to`: 3 a vertex.
+  // `positions` and `to`: 3 per vertex.
   write(positions: Float32Array, to: Float32Array): void {
     const { triangles, normal } = this.surface;
     const { sums } = this;

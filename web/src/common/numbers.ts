@@ -1,6 +1,6 @@
-// Numbers as people read them.
+// Numbers formatted for people.
 
-// Three digits, as few characters as they take.
+// Three significant digits, in as few characters as possible.
 export function short_number(value: number): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
@@ -8,7 +8,7 @@ export function short_number(value: number): string {
   return String(Number(value.toPrecision(3)));
 }
 
-// The least of the factors times a power of ten that is not below `value` (above 0).
+// The smallest factor times a power of ten that is at least `value` (> 0).
 export function nice_above(value: number, factors: readonly number[] = [1, 2, 5, 10]): number {
   const power = 10 ** Math.floor(Math.log10(value));
   for (const factor of factors) if (factor * power >= value * (1 - 1e-9)) return factor * power;

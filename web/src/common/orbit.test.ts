@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { PerspectiveCamera, Vector3 } from "three";
 import { Orbit, VIEWS } from "./orbit";
 
-// Points of a ball around 0.
+// Points on a sphere around 0.
 function ball(radius: number): number[] {
   const points: number[] = [];
   for (let k = 0; k < 400; ++k) {

@@ -1,11 +1,11 @@
-// A camera that goes around a point: by mouse, by fingers and by keys.
+// An orbit camera, controlled by mouse, touch and keys.
 import type { PerspectiveCamera } from "three";
 import { Vector3 } from "three";
 
 const MOST_ELEVATION = 1.553; // just below straight up
 
 export interface View {
-  azimuth: number; // rad, around the vertical; 0 looks from +z
+  azimuth: number; // rad, about the vertical; 0 looks from +z
   elevation: number;
 }
 export const VIEWS: Record<string, View> = {
@@ -17,7 +17,7 @@ export const VIEWS: Record<string, View> = {
 
 const MARGIN = 1.1;
 
-// To the right, up and towards the camera.
+// Directions right, up and towards the camera.
 function axes_of({ azimuth, elevation }: View): [number[], number[], number[]] {
   const [sine, cosine] = [Math.sin(azimuth), Math.cos(azimuth)];
   const [high, flat] = [Math.sin(elevation), Math.cos(elevation)];
@@ -33,16 +33,16 @@ export class Orbit {
   elevation = VIEWS["three-quarter"].elevation;
   distance = 5;
   readonly target = new Vector3();
-  readonly carried = new Vector3(); // goes along with a body
+  readonly carried = new Vector3(); // moves with a body
   private home = { distance: 5, target: new Vector3() };
-  // Of what was framed, in any of the views at home: the tangent that it takes up on either side of the middle.
+  // The tangent that the framed points need on either side of the middle, over all views at the home distance.
   across = 0;
   private readonly fingers = new Map<number, { x: number; y: number }>();
 
   constructor(private readonly changed: () => void) {}
 
-  // Goes as near as all points (3 numbers each, from `middle`) can be seen in each of the views. `field`: rad, of the
-  // picture's height.
+  // Moves as close as possible with all points (3 numbers each, relative to `middle`) visible in every view.
+  // `field`: vertical angle of view, rad.
   frame(middle: Vector3, points: ArrayLike<number>, field: number, aspect: number): void {
     const up_tangent = Math.tan(field / 2) / MARGIN;
     const across_tangent = up_tangent * aspect;
@@ -78,7 +78,7 @@ export class Orbit {
     this.changed();
   }
 
-  // Nearer to a place, from the same side.
+  // Moves close to a place, keeping the direction.
   go_to(place: Vector3, distance: number): void {
     this.target.copy(place).sub(this.carried);
     this.distance = distance;
@@ -91,7 +91,7 @@ export class Orbit {
     this.changed();
   }
 
-  // Shares of the picture's height.
+  // In fractions of the picture's height.
   pan(across: number, up: number): void {
     const sine = Math.sin(this.azimuth);
     const cosine = Math.cos(this.azimuth);
@@ -121,7 +121,7 @@ export class Orbit {
     camera.updateProjectionMatrix();
   }
 
-  // Left: around; right, middle or with shift: along; wheel: nearer. Two fingers do both of the latter.
+  // Left button: orbit; right or middle button, or shift: pan; wheel: zoom. Two fingers pan and zoom.
   listen(element: HTMLElement): void {
     element.addEventListener("contextmenu", (event) => event.preventDefault());
     element.addEventListener("dblclick", () => this.reset());

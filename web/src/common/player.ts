@@ -1,11 +1,11 @@
-// The clock of a motion: which frame is shown at a moment.
+// Playback clock: the frame to show at a given time.
 
 export class Player {
   frame = 0;
   playing = false;
   loops = true;
   speed = 1;
-  private elapsed = 0; // s of the motion since the frame that is shown
+  private elapsed = 0; // s of motion since the frame shown began
 
   constructor(
     public frames: number,
@@ -16,7 +16,7 @@ export class Player {
     return this.frames - 1;
   }
 
-  // From the end it begins again.
+  // Restarts if it is at the end.
   play(): void {
     if (this.frame >= this.last) this.frame = 0;
     this.elapsed = 0;
@@ -32,14 +32,14 @@ export class Player {
     this.elapsed = 0;
   }
 
-  // Over the ends where it loops.
+  // Wraps around if it loops.
   step(by: number): void {
     this.pause();
     const to = this.frame + by;
     this.show(this.loops && Math.abs(by) === 1 ? (to + this.frames) % this.frames : to);
   }
 
-  // `seconds` have gone by on the wall. True where another frame is shown now.
+  // `seconds` of wall-clock time have passed. True if the frame changed.
   advance(seconds: number): boolean {
     if (!this.playing) return false;
     this.elapsed += seconds * this.speed;

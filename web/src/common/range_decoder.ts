@@ -1,4 +1,4 @@
-// The other half of host/page/range_encoder.cpp: adaptive bits and numbers out of bytes.
+// The decoder for host/page/range_encoder.cpp: adaptive bits and numbers from bytes.
 
 const PROBABILITY_BITS = 12;
 const ADAPTION = 5;
@@ -25,7 +25,7 @@ export class RangeDecoder {
     }
   }
 
-  // A bit by its probability of being 0, `of_zero[at]`, which adapts.
+  // Decodes a bit by its probability of being 0, `of_zero[at]`, which adapts.
   bit(of_zero: Uint16Array, at: number): number {
     const probability = of_zero[at];
     const bound = (this.range >>> PROBABILITY_BITS) * probability;
@@ -56,7 +56,7 @@ export class RangeDecoder {
   }
 }
 
-const LENGTHS = 32; // a tree of five bits, and the sign's probability in its place 0
+const LENGTHS = 32; // a tree of five bits; entry 0 holds the probability of the sign
 const LOW = 4;
 
 export class NumberDecoder {
@@ -87,7 +87,7 @@ export class NumberDecoder {
   }
 }
 
-// Of |number|, below 2^31.
+// For |number| below 2^31.
 export function bit_length(number: number): number {
   return 32 - Math.clz32(Math.abs(number));
 }

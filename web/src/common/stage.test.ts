@@ -13,8 +13,9 @@ test("a slow machine goes without shadows first, then with fewer pixels, but not
   assert.deepEqual(seen[1], { shadows: true, ratio: 1 });
   assert.ok(seen[2].ratio > 1);
   assert.ok(seen.length < 10, "it ends");
-  // No picture is coarser than a third of the page's pixels.
+  // The resolution never drops below a third of the page's pixels.
   assert.ok(2 / spared.ratio > 1 / 3);
-  // A screen with more pixels spares more of them, as what moves has no more than two to one of the page.
+  // A screen with more pixels gains no further step, because moving pictures have at most two pixels per page
+  // pixel.
   assert.deepEqual(spared_more({ shadows: true, ratio: 1 }, 3), spared_more({ shadows: true, ratio: 1 }, 2));
 });

@@ -1,4 +1,4 @@
-// The room that bodies stand in: light, floor, and one or two pictures of it beside each other.
+// The scene around the bodies: light, floor, and one view of it or two side by side.
 import {
   CircleGeometry,
   Color,
@@ -18,21 +18,21 @@ import {
 import { nice_above } from "./numbers";
 import { Orbit } from "./orbit";
 
-export const FIELD = (32 * Math.PI) / 180; // rad, of the picture's height
+export const FIELD = (32 * Math.PI) / 180; // rad, vertical angle of view
 
-const MOST_RATIO = 2; // pixels of the picture to one of the page, while it moves
-const SLOW = 70; // ms a picture
-const MOST_LATE = 6; // of such pictures, one after the other
-const STILL = 180; // ms without a change, until a picture is drawn in full
+const MOST_RATIO = 2; // render pixels per page pixel during motion
+const SLOW = 70; // ms per picture
+const MOST_LATE = 6; // this many slow pictures in a row reduce the quality
+const STILL = 180; // ms without a change before a picture is drawn at full quality
 const LEAST_RATIO = 0.5;
 
-// What is left out of a picture while it moves, on a machine that draws too slowly.
+// What a machine that draws too slowly leaves out during motion.
 export interface Spared {
   shadows: boolean;
-  ratio: number; // what the screen's pixels are divided by
+  ratio: number; // divisor of the pixel ratio
 }
 
-// One step further; the same where nothing is left to spare.
+// The next reduction; the same if there is none.
 export function spared_more(spared: Spared, screen_ratio: number): Spared {
   if (!spared.shadows) return { ...spared, shadows: true };
   const ratio = Math.min(screen_ratio, MOST_RATIO) / spared.ratio;
@@ -48,8 +48,8 @@ export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera();
   readonly orbit = new Orbit(() => this.invalidate());
-  spares = false; // whether a slow machine gets simpler pictures of what moves
-  moves = false; // whether what is shown moves by itself; else a picture that stands is drawn in full
+  spares = false; // whether a slow machine gets simpler pictures during motion
+  moves = false; // whether the content moves by itself; otherwise a still picture is drawn at full quality
   private readonly renderer: WebGLRenderer;
   private readonly sun = new DirectionalLight(0xffffff, 2.1);
   private readonly rim = new DirectionalLight(0xdfe8ff, 0.7);
@@ -59,16 +59,16 @@ export class Stage {
   private grid: GridHelper | null = null;
   private radius = 1;
   private stale = true;
-  private changed = 0; // ms, when what is to be seen was another one last
+  private changed = 0; // ms, time of the last visible change
   private spared: Spared = { shadows: false, ratio: 1 };
-  // Of the last picture: whether it had all that the screen can show, and whether it was asked to.
+  // For the last picture: whether it had full quality, and whether it was requested at full quality.
   private is_full = false;
   private is_settled = false;
-  private fence: WebGLSync | null = null; // after what was asked for last
+  private fence: WebGLSync | null = null; // after the last draw commands
   private late = 0;
-  private asked = 0; // ms, when that was
+  private asked = 0; // ms, when they were issued
 
-  // Throws where the browser has no WebGL 2.
+  // Throws if the browser has no WebGL 2.
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.shadowMap.enabled = true;
@@ -84,7 +84,7 @@ export class Stage {
     this.changed = performance.now();
   }
 
-  // The room for a motion within this ball, on a floor at this height.
+  // Sets up the scene for a motion within this sphere, on a floor at this height.
   furnish(middle: Vector3, radius: number, floor: number): void {
     this.radius = radius;
     const cell = nice_above(radius / 5);
@@ -109,7 +109,7 @@ export class Stage {
     this.invalidate();
   }
 
-  // Lights follow what is looked at.
+  // Moves the lights along with the camera's target.
   light_up(middle: Vector3): void {
     this.sun.target.position.copy(middle);
     this.sun.position.copy(middle).add(new Vector3(1.4, 2.6, 1.9).multiplyScalar(this.radius));
@@ -134,7 +134,7 @@ export class Stage {
     this.invalidate();
   }
 
-  // One picture, or two side by side of what each half shows. False where nothing had changed.
+  // Draws one picture, or two side by side, each with its own groups. False if nothing had changed.
   render(halves: Half[]): boolean {
     const width = this.canvas.clientWidth;
     const height = this.canvas.clientHeight;
@@ -144,7 +144,7 @@ export class Stage {
       this.renderer.setSize(width, height, false);
       this.stale = true;
     }
-    // Where nothing changes any more, a picture may take its time.
+    // When nothing changes any more, a picture may take longer.
     const settles = !this.stale && !this.is_full && !this.moves && performance.now() - this.changed > STILL;
     if (!(this.stale || settles) || this.is_busy()) return false;
     this.stale = false;
@@ -152,7 +152,7 @@ export class Stage {
     this.orbit.apply(this.camera);
     const share = width / halves.length;
     this.camera.aspect = share / height;
-    // Half a picture may be too narrow for what a whole one showed.
+    // Half the width may be too narrow for what the full width showed.
     const needed = halves.length > 1 ? (1.05 * this.orbit.across) / this.camera.aspect : 0;
     this.camera.fov = (360 / Math.PI) * Math.atan(Math.max(Math.tan(FIELD / 2), needed));
     this.camera.updateProjectionMatrix();
@@ -171,7 +171,8 @@ export class Stage {
     return true;
   }
 
-  // While the last picture is still being drawn. Asking for more of them than are drawn would stop the page.
+  // Whether the GPU is still drawing the last picture. Issuing draws faster than they complete would block the
+  // page.
   private is_busy(): boolean {
     if (!this.fence) return false;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -182,9 +183,9 @@ export class Stage {
     return false;
   }
 
-  // What draws too slowly to look at motion goes without shadows, and then with fewer pixels.
+  // On a machine too slow for motion, drops shadows first, then resolution.
   private spare(milliseconds: number): void {
-    if (this.is_settled) return; // it was given its time
+    if (this.is_settled) return; // a full-quality picture may be slow
     this.late = milliseconds > SLOW ? this.late + 1 : 0;
     if (!this.spares || this.late < MOST_LATE) return;
     this.late = 0;
@@ -194,7 +195,7 @@ export class Stage {
     this.stale = true;
   }
 
-  // The screen's own pixels are asked for anew each time: a page may be zoomed, or moved to another screen.
+  // Reads the screen's pixel ratio each time: the page may be zoomed, or moved to another screen.
   private set_quality(settled: boolean): void {
     const spared: Spared = settled ? { shadows: false, ratio: 1 } : this.spared;
     const screen = window.devicePixelRatio;

@@ -1,4 +1,4 @@
-// Dark or light: as the system has it, until it is chosen.
+// Dark or light: follows the system until the user chooses.
 import { element, say } from "./dom";
 
 export function follow_theme(changed: () => void): void {

@@ -1,4 +1,4 @@
-// The bake that stands beside what is played: its shape, and how it is drawn.
+// The bake shown for comparison: its shape, and how it is drawn.
 import type { Group, Scene } from "three";
 import { Body, BodyMaterials } from "../common/body";
 import type { Looks } from "../common/body";
@@ -9,9 +9,10 @@ import { INSIDE, skin_of, tetrahedra_surface } from "./surface";
 import type { Cut, Skin } from "./surface";
 import type { FrameMessage, Items } from "./wire";
 
-export const BESIDE_COLOUR = 0xff4fd0; // of its ghost; that of skinning is blue, and skin is often near orange
+export const BESIDE_COLOUR = 0xff4fd0; // colour of its ghost; the skinning ghost is blue, and skin is often
+                                       // near orange
 
-// How it is to be drawn.
+// How to draw it.
 export interface BesideChoice {
   colour: "materials" | "layers" | "lag";
   tetrahedra: boolean;
@@ -27,7 +28,7 @@ export function same_items(a: Items | undefined, b: Items | undefined): boolean 
   return true;
 }
 
-// m between two lists of places, 3 numbers each; the greatest of them.
+// m between two lists of places, 3 numbers each; returns the maximum.
 export function write_distances(a: Float32Array, b: Float32Array, to: Float32Array): number {
   let most = 0;
   for (let p = 0; p < to.length; ++p) {
@@ -48,7 +49,7 @@ export class Beside {
   private drawn_as = "";
   private lag = new Float32Array(0);
   private has_colours = false;
-  most_lag = 0; // m, that was seen
+  most_lag = 0; // m, maximum so far
   has_same_skin = false;
   has_same_tetrahedra = false;
 
@@ -63,12 +64,12 @@ export class Beside {
   get group(): Group | null {
     return this.body?.group ?? null;
   }
-  // Whether each of its places is one of what is played.
+  // Whether its places correspond one to one to those of the played body.
   is_like(tetrahedra: boolean): boolean {
     return tetrahedra ? this.has_same_tetrahedra : this.has_same_skin;
   }
 
-  // `arrays`: its own, without the prefix. `played`: what it stands beside; null where nothing is known of that yet.
+  // `arrays`: its own, without the prefix. `played`: the played body's; null while unknown.
   set(
     bake: BesideBake | null,
     arrays: Map<string, Items>,
@@ -80,7 +81,7 @@ export class Beside {
     const same = (name: string) => same_items(arrays.get(name), played.arrays.get(name));
     this.has_same_skin = this.has_skin && same("surface.triangle") && arrays.get("surface.rest")?.length === played.arrays.get("surface.rest")?.length;
     this.has_same_tetrahedra = same("tetrahedron");
-    // One that is drawn with the same vertices has the colours of what is played.
+    // A bake with the same vertices has the colours of the played body.
     const colours = this.has_same_skin ? ((played.arrays.get("surface.colour") as Float32Array | undefined) ?? null) : null;
     const material = this.has_same_skin ? ((played.arrays.get("surface.material") as Uint32Array | undefined) ?? null) : null;
     const uvs = this.has_same_skin ? ((played.arrays.get("surface.uv") as Float32Array | undefined) ?? null) : null;
@@ -148,7 +149,7 @@ export class Beside {
     this.scene.add(this.body.group);
   }
 
-  // Its places in this frame; null where the frame does not hold them.
+  // Its places in this frame; null if the frame does not contain them.
   show(frame: FrameMessage, choice: BesideChoice): Float32Array | null {
     if (!this.is_there) return null;
     const tetrahedra = choice.tetrahedra || !this.skin;

@@ -1,9 +1,9 @@
-// The studio's keys: a key for each control.
+// The studio's keyboard bindings: a key for each control.
 import { choose, choose_next, element, say, toggle } from "../common/dom";
 import type { BindingGroup } from "../common/keys";
 import type { Orbit } from "../common/orbit";
 
-// What no control of the page does.
+// Actions without a control on the page.
 export interface Actions {
   step_back(): void;
   change_speed(by: number): void;

@@ -1,14 +1,14 @@
-// Which joints are bones: shown on the skeleton, chosen and unchosen by a click or in a list.
+// Choosing which joints are bones: shown on the skeleton, toggled by a click or in a list.
 import { Vector3 } from "three";
 import { checked, element } from "../common/dom";
 import type { Picture } from "./picture";
 import type { BodyMessage, KeyGroup, KeyValue } from "./protocol";
 
-// What this needs of the page.
+// What this needs from the page.
 export interface BonesUser {
   command(type: string, members: object): Promise<string>;
   say(text: string, is_bad: boolean): void;
-  joints(): Float32Array | null; // their places now, 3 numbers each
+  joints(): Float32Array | null; // their current places, 3 numbers each
 }
 
 type Joint = BodyMessage["joints"][number];
@@ -22,7 +22,7 @@ function without(names: readonly string[], name: string): KeyValue {
   return left.length > 0 ? left : null;
 }
 
-// What makes a joint a bone, or none any more. `names`: what the keys hold.
+// The changes that make a joint a bone, or not a bone. `names`: the keys' current values.
 export function changes_for(
   joint: Pick<Joint, "name" | "is_bone">,
   names: { chosen: readonly string[]; unchosen: readonly string[] },
@@ -39,7 +39,7 @@ export function changes_for(
   return changes;
 }
 
-// The place that is nearest to a point, of those within reach; -1 for none.
+// The place nearest to a point within reach; -1 for none.
 export function nearest_of(places: readonly (readonly [number, number])[], x: number, y: number, reach: number): number {
   let best = -1;
   let least = reach;
@@ -110,11 +110,11 @@ export class Bones {
     );
   }
 
-  // The joint that is seen there.
+  // The joint visible there.
   private joint_at(x: number, y: number): number {
     const places = this.user.joints();
     const box = this.picture.box_of_played();
-    // Joints beside what is played cannot be chosen.
+    // Joints of the comparison cannot be chosen.
     if (!places || x < box.left) return -1;
     const { camera, orbit } = this.picture.stage;
     orbit.apply(camera);

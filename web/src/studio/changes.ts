@@ -1,4 +1,4 @@
-// Changes of the scene's keys on their way to the server.
+// Sends changes of the scene's keys to the server.
 import type { KeyValue } from "./protocol";
 
 export interface ChangesUser {
@@ -6,7 +6,7 @@ export interface ChangesUser {
   refused(error: Error): void;
 }
 
-// One change is on its way at a time; of those that wait the last one goes.
+// Only one change is in flight; of the changes waiting, only the last is sent.
 export class Changes {
   private pending: { path: string; value: KeyValue; gesture: number | null } | null = null;
   private is_sending = false;

@@ -1,4 +1,4 @@
-// The WebSocket to the studio's server: it comes back by itself when the server does.
+// The WebSocket to the studio's server, which reconnects automatically.
 import type { ServerMessage } from "./protocol";
 import type { ArrayMessage, FrameMessage } from "./wire";
 import { read_array, read_frame } from "./wire";
@@ -22,7 +22,7 @@ export class Connection {
   private wait = FIRST_WAIT;
   private readonly waiting = new Map<number, { done: (text: string) => void; refused: (error: Error) => void }>();
 
-  // `token`: of the address that the program printed.
+  // `token`: from the address that the program printed.
   constructor(
     private readonly address: string,
     private readonly listener: Listener,
@@ -66,14 +66,14 @@ export class Connection {
     this.listener.said(message);
   }
 
-  // For good.
+  // Permanently.
   close(): void {
     const socket = this.socket;
     this.socket = null;
     socket?.close();
   }
 
-  // What the server says to it; throws Refused with the reason.
+  // Resolves to the server's reply; throws Refused with the reason.
   command(type: string, members: object = {}): Promise<string> {
     const socket = this.socket;
     if (!socket || socket.readyState !== WebSocket.OPEN)

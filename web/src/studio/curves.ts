@@ -1,5 +1,5 @@
-// Curves along the clip that grow while it plays: a value of each frame, of the last time that it was computed; and
-// those of the bake that stands beside.
+// Curves along the clip that fill in while it plays: for each frame, the value last computed; and those of the
+// comparison bake.
 import { CurvePlot, range_of, value_text } from "../common/curves";
 import type { Axis, Lane, Line } from "../common/curves";
 import { element } from "../common/dom";
@@ -10,11 +10,11 @@ import type { FrameMessage } from "./wire";
 interface Meaning {
   name: string;
   unit: string;
-  said?: string; // the unit where there is room
-  lane: string; // curves of one lane share a scale
+  said?: string; // the unit, if there is room
+  lane: string; // curves in one lane share a scale
   doc: string;
   limit?: number;
-  is_of_solver?: boolean; // a bake's frames say nothing of it
+  is_of_solver?: boolean; // not available in a bake's frames
   is_of_skeleton?: boolean;
   value: (frame: FrameMessage, fps: number) => number;
 }
@@ -66,14 +66,14 @@ interface Track {
 export class LiveCurves {
   private plot: CurvePlot | null = null;
   private tracks: Track[] = [];
-  private frame = 0; // that is shown
+  private frame = 0; // the current one
   private fps = 1;
   private label = "";
 
   constructor(private readonly seek: (frame: number) => void) {}
 
-  // A clip of so many frames, none of which has come. `is_live`: whether a solver computes them; `has_skeleton`: whether
-  // there is skinning to lag behind.
+  // Starts a clip of `count` frames, none of which has arrived. `is_live`: whether a solver computes them;
+  // `has_skeleton`: whether there is skinning to lag behind.
   begin(count: number, axis: Axis, is_live: boolean, has_skeleton: boolean): void {
     this.fps = axis.fps;
     const hidden = this.tracks.filter((track) => !track.is_shown).map((track) => track.meaning.name);
@@ -100,11 +100,11 @@ export class LiveCurves {
     this.plot.axis = axis;
   }
 
-  // All frames are to come again.
+  // Discards all values; the frames will arrive again.
   clear(): void {
     for (const track of this.tracks) track.own.curve.values.fill(null);
   }
-  // Those of the bake beside are.
+  // Discards those of the comparison bake.
   clear_beside(): void {
     for (const track of this.tracks) track.beside.curve.values.fill(null);
   }
@@ -114,7 +114,7 @@ export class LiveCurves {
       if (at < line.curve.values.length) line.curve.values[at] = Number.isFinite(value) ? value : null;
     };
     for (const { meaning, own, beside } of this.tracks) {
-      // After a jump along the clip the flesh has been carried there, and says nothing of how it moves.
+      // After a jump along the clip the flesh was carried there, so the frame says nothing about its motion.
       if (!frame.begins) put(own, frame.frame, meaning.value(frame, this.fps));
       if (frame.beside && !meaning.is_of_solver) put(beside, frame.frame, meaning.value(frame.beside, this.fps));
     }

@@ -1,11 +1,11 @@
-// The dialogs that save the scene and bake it.
+// The dialogs for saving the scene and for baking it.
 import { element } from "../common/dom";
 import { short_number } from "../common/numbers";
 import type { Hello, ServerMessage } from "./protocol";
 
 const FORMATS = ["pc2", "mdd", "glb", "abc", "usda", "obj", "vtu"];
 
-// What the dialogs need of the page.
+// What the dialogs need from the page.
 export interface DialogUser {
   hello(): Hello | null;
   command(type: string, members: object): Promise<string>;

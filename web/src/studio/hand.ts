@@ -1,13 +1,13 @@
-// The hand: takes hold of flesh under the mouse, pulls it and lets go.
+// The hand tool: grabs the flesh under the pointer, pulls it and lets go.
 import { Vector3 } from "three";
 import { checked } from "../common/dom";
 import type { Picture } from "./picture";
 import { hit } from "./surface";
 
-// What the hand needs of the page.
+// What the hand needs from the page.
 export interface HandUser {
   can_touch(): boolean;
-  draws_model(): boolean; // whether what is drawn are the model's own vertices
+  draws_model(): boolean; // whether the model's own vertices are drawn
   send(type: string, members: object): void;
   command(type: string, members: object): Promise<string>;
   say(text: string, is_bad: boolean): void;
@@ -21,10 +21,10 @@ export class Hand {
     private readonly user: HandUser,
   ) {}
 
-  // True where there is flesh to take.
+  // True if there is flesh to grab.
   private grab(x: number, y: number, finger: number): boolean {
     const { surface, places } = this.picture;
-    // Flesh beside what is played is out of reach.
+    // The flesh of the comparison cannot be grabbed.
     if (!surface || !places || x < this.picture.box_of_played().left) return false;
     const { origin, direction } = this.picture.ray_at(x, y).ray;
     const found = hit(origin.toArray(), direction.toArray(), places, surface);
@@ -65,7 +65,8 @@ export class Hand {
     this.user.send("hand", { action: "release" });
   }
 
-  // Without a mouse: takes what is in the picture's middle, pulls it near and lets go.
+  // For use without a mouse: grabs what is in the middle of the picture, pulls it towards the camera and lets
+  // go.
   tug(): void {
     const box = this.picture.box_of_played();
     const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
@@ -81,7 +82,7 @@ export class Hand {
 
   listen(): void {
     const canvas = this.picture.stage.canvas;
-    // Before the camera's own listeners.
+    // Registered before the camera's own listeners.
     canvas.addEventListener(
       "pointerdown",
       (event) => {

@@ -1,4 +1,4 @@
-// The panel's lists and the picture's legend.
+// The panel's lists, and the legend of the picture.
 import { SCALE } from "../common/colours";
 import { element } from "../common/dom";
 import type { ShownColour } from "./picture";
@@ -30,7 +30,7 @@ export function list_presets(presets: Preset[], choose: (name: string) => void):
   }
 }
 
-// `point` is told the vertex of the model and the place at rest that a warning speaks of.
+// `point` is called with a warning's model vertex and its place at rest.
 export function list_warnings(
 warnings: SceneWarning[],
 point: (place: [number, number, number], vertex: number | undefined) => void,
@@ -63,7 +63,7 @@ point: (place: [number, number, number], vertex: number | undefined) => void,
   }
 }
 
-// `paint`: the entries where paint is shown.
+// `paint`: the legend's entries if paint is shown.
 export function show_legend(
   colour: ShownColour,
   millimetres: string,

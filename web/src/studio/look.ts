@@ -1,4 +1,4 @@
-// How the body is shown: what the controls beside the picture say, and the words on the picture.
+// How the body is shown: the controls beside the picture, and the text on the picture.
 import { add_fact, checked, choose, element } from "../common/dom";
 import { grouped, short_number } from "../common/numbers";
 import { show_legend } from "./lists";
@@ -7,7 +7,7 @@ import type { Choice, Picture, ShownColour } from "./picture";
 import type { BesideMessage, BodyMessage } from "./protocol";
 import type { BlockName, FrameMessage } from "./wire";
 
-// What the look needs of the page.
+// What this needs from the page.
 export interface LookUser {
   command(type: string, members: object): Promise<string>;
   send(type: string, members: object): void;
@@ -27,7 +27,7 @@ function offer(value: string, is_there: boolean): void {
   if (!is_there && option.selected) list.value = "materials";
 }
 
-// The last folder of a path tells most; of those that are alike there, more.
+// The last folder of a path, or more of the path where that is ambiguous.
 export function short_names(names: readonly string[]): string[] {
   const parts = names.map((name) => name.split("/").filter((part) => part !== "" && part !== "."));
   return parts.map((own, k) => {
@@ -39,7 +39,8 @@ export function short_names(names: readonly string[]): string[] {
   });
 }
 
-// Who asks for a bake wants to see it. One that comes again was written anew: the view stays what it was.
+// Switches to the comparison when the user asks for another bake. If the same bake reappears because it was
+// written anew, the view stays.
 export function shows_sides(last: string, name: string, comparison: string): boolean {
   return name !== last && comparison === "flesh";
 }
@@ -47,7 +48,7 @@ export function shows_sides(last: string, name: string, comparison: string): boo
 export class Look {
   private body: BodyMessage | null = null;
   private beside: BesideMessage | null = null;
-  private last_beside = ""; // the bake that stood there last
+  private last_beside = ""; // the previous comparison bake
   private blocks = "";
   private legend_shown = "";
   private seen = { frames: 0, since: 0, rate: 0 };
@@ -61,7 +62,7 @@ export class Look {
     const axis = element<HTMLSelectElement>("cut-axis").value;
     const paints = this.user.paints();
     const colour = paints ? "paint" : (element<HTMLSelectElement>("colour").value as ShownColour);
-    // Muscles and contact are of the model's own vertices.
+    // Muscles and contact are values of the model's own vertices.
     const of_model = checked("body") === "tetrahedra" || colour === "muscles" || colour === "contact" || axis !== "";
     const share = Number(element<HTMLInputElement>("lag-scale").value) / 100;
     return {
@@ -96,17 +97,17 @@ export class Look {
     this.user.command("show", { blocks, beside }).catch(() => (this.blocks = ""));
   }
 
-  // The server knows nothing of what was asked for.
+  // After a reconnect the server does not know what was requested.
   forget(): void {
     this.blocks = "";
   }
 
-  // The legend is to be made anew.
+  // Forces the legend to be rebuilt.
   mend_legend(): void {
     this.legend_shown = "";
   }
 
-  // The picture has this body now.
+  // Called when the picture shows this body.
   set_body(body: BodyMessage): void {
     this.body = body;
     const facts = element("facts");
@@ -131,7 +132,7 @@ export class Look {
     offer("difference", this.picture.is_like_beside(false) || this.picture.is_like_beside(true));
   }
 
-  // The picture has this bake beside it now.
+  // Called when the picture shows this comparison bake.
   set_beside(message: BesideMessage): void {
     this.beside = message;
     const list = element<HTMLSelectElement>("against");
@@ -158,7 +159,7 @@ export class Look {
     return at < 0 ? (this.beside?.bake?.name ?? "") : short_names(this.beside!.choices)[at];
   }
 
-  // How fast frames come, in the list of facts. `fps`: of the clip.
+  // Shows the frame rate in the list of facts. `fps`: of the clip.
   note_rate(frame: FrameMessage, fps: number, is_live: boolean): void {
     const now = performance.now();
     ++this.seen.frames;
@@ -205,7 +206,7 @@ export class Look {
       if (id === "floor") return this.picture.stage.show_floor(is_on("floor"));
       if (id === "against") {
         const name = element<HTMLSelectElement>("against").value;
-        // What is asked for once more is to be seen once more.
+        // If the user asks for it again, show it again.
         if (name === "") this.last_beside = "";
         return this.user.send("beside", { name });
       }

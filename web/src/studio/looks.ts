@@ -1,4 +1,4 @@
-// A body's materials and textures as the server sends them.
+// A body's materials and textures, as received from the server.
 import type { Texture } from "three";
 import { load_texture_bytes } from "../common/body";
 import type { Looks } from "../common/body";
@@ -9,14 +9,14 @@ import type { Items } from "./wire";
 const SKIN: [number, number, number] = [...linear_of_hex("#e3ab8c")];
 
 export class LookLoader {
-  private readonly textures = new Map<Items, Promise<Texture | null>>(); // by the bytes that they are of
+  private readonly textures = new Map<Items, Promise<Texture | null>>(); // keyed by their encoded bytes
 
   async load(body: BodyMessage, arrays: Map<string, Items>): Promise<Omit<Looks, "groups">> {
     const textures: (Texture | null)[] = await Promise.all(
       body.textures.map((texture, k) => {
         const bytes = arrays.get(`texture.${k}`) as Uint8Array | undefined;
         if (!bytes) return null;
-        // What is the same as before is not decoded again.
+        // Does not decode unchanged images again.
         let texture_of = this.textures.get(bytes);
         if (!texture_of) {
           texture_of = load_texture_bytes(new Uint8Array(bytes), texture.type, texture.wrap[0], texture.wrap[1]);
@@ -32,14 +32,14 @@ export class LookLoader {
       texture: material.texture,
     }));
     return {
-      // What says nothing of its colour is skin.
+      // Bodies without materials look like skin.
       materials: materials.length > 0 ? materials : [{ name: "skin", colour: SKIN, cutoff: 0, texture: -1 }],
       textures,
       layers: body.layers,
     };
   }
 
-  // Textures of bytes that are not there any more go.
+  // Disposes of textures whose bytes are gone.
   forget_all_but(arrays: Map<string, Items>): void {
     const kept = new Set(arrays.values());
     for (const [bytes, texture] of this.textures) {

@@ -1,4 +1,4 @@
-// The page of `fascicle studio`: flesh that moves, looked at and touched.
+// The page of `fascicle studio`: shows moving flesh and lets the user touch it.
 import { element } from "../common/dom";
 import { fill_help, listen_to_keys } from "../common/keys";
 import { short_number } from "../common/numbers";
@@ -22,7 +22,7 @@ import { TouchPanel } from "./touch";
 import { Transport } from "./transport";
 import type { ArrayMessage, FrameMessage, Items } from "./wire";
 
-const BESIDE = "beside."; // begins the names of arrays of the bake beside
+const BESIDE = "beside."; // prefix of the comparison bake's arrays
 
 class Studio {
   private readonly picture = new Picture(element<HTMLCanvasElement>("picture"));
@@ -115,7 +115,7 @@ class Studio {
     });
     this.connection.open();
     const tick = () => {
-      // First, so that what goes wrong in one picture is not the end of all.
+      // First, so that an error in one picture does not stop the loop.
       requestAnimationFrame(tick);
       if (this.is_new) this.refresh();
       this.picture.stage.moves = this.transport.moves;
@@ -129,7 +129,7 @@ class Studio {
     this.picture.stage.paint(style_value("--stage"), style_value("--grid"), Number(style_value("--grid-opacity")));
   }
 
-  // ---- What the server says
+  // ---- Messages from the server
 
   private lost(): void {
     this.notices.set_status("The program is gone. Start it again and open its address: nothing is lost", "lost");
@@ -174,7 +174,7 @@ class Studio {
         return this.notices.toast(message.message);
       case "applied":
         document.documentElement.dataset.applied = String(message.revision);
-        // What was computed before is of other flesh.
+        // Earlier values belong to other flesh.
         this.curves.clear();
         if (this.transport.player?.state === "paused") return this.notices.toast("In force; play to see it");
         return this.notices.toast(
@@ -197,7 +197,7 @@ class Studio {
       case "baking":
         return this.dialogs.baking(message);
       case "baked":
-        // What a bake found stands until the next one, or until the body is another one.
+        // Warnings from a bake stay until the next bake, or until the body changes.
         this.bake_warnings = message.warnings.map((text) => ({ text: `The bake: ${text}`, places: [], vertices: [] }));
         this.list_warnings();
         return this.dialogs.baked(message);
@@ -223,7 +223,7 @@ class Studio {
   }
 
   private array(message: ArrayMessage): void {
-    // What is painted is of no body.
+    // Paint does not belong to a body.
     if (message.name.startsWith("paint.")) return this.painter.array(message.name, message.items);
     if (!message.name.startsWith(BESIDE)) {
       this.arrays.set(message.name, message.items);
@@ -250,7 +250,7 @@ class Studio {
     document.documentElement.dataset.state = "ready";
   }
 
-  // Its arrays follow.
+  // Its arrays arrive next.
   private set_beside(message: BesideMessage): void {
     const is_other = message.bake?.name !== this.beside?.bake?.name;
     this.beside = message;
@@ -277,7 +277,7 @@ class Studio {
   }
 
   private take_frame(frame: FrameMessage): void {
-    // A frame of the body before, on its way when the new one came.
+    // A frame of the previous body that was in transit when the new one arrived.
     if (this.body && frame.body < this.body.body) return;
     this.frame = frame;
     this.look.note_rate(frame, this.transport.clip?.fps ?? 1, this.hello?.can_touch ?? false);
@@ -285,15 +285,15 @@ class Studio {
     this.is_new = true;
   }
 
-  private lag_scale = 0; // m, of what is shown
-  private is_new = false; // whether a frame came that is not shown yet
+  private lag_scale = 0; // m, of the picture shown
+  private is_new = false; // whether a frame has arrived that is not shown yet
 
   private refresh(): void {
     this.is_new = false;
     if (!this.frame) return;
     let choice = this.look.choice();
     this.picture.show(this.frame, choice);
-    // The scale of colours ends at the most that was seen, which this frame may have had.
+    // The colour scale ends at the maximum seen so far, which this frame may have raised.
     const { lag_scale } = (choice = this.look.choice());
     if (lag_scale !== this.lag_scale) this.picture.show(this.frame, choice);
     this.lag_scale = lag_scale;
@@ -314,7 +314,7 @@ class Studio {
     this.notices.set_status(text, "live");
   }
 
-  // ---- What the user does
+  // ---- User actions
 
   private send(type: string, members: object = {}): void {
     this.connection.command(type, members).then(
@@ -335,7 +335,7 @@ class Studio {
     );
   }
 
-  // Where a vertex of the model is now, where frames tell.
+  // The current place of a vertex of the model, if frames contain it.
   private place_of(vertex: number | undefined): [number, number, number] | null {
     const vertices = this.frame?.blocks.vertices;
     if (vertex === undefined || !vertices || 3 * vertex + 2 >= vertices.length) return null;
@@ -373,7 +373,7 @@ class Studio {
     });
     fill_help(element("help-table"), groups);
     listen_to_keys(groups, () => document.querySelector("dialog[open]") !== null);
-    // As elsewhere; a field that is typed in has its own.
+    // As in other programs; a text field has its own undo.
     window.addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
       const key = event.key.toLowerCase();

@@ -1,4 +1,4 @@
-// What the page says in words: what is open, its state, and notes that go again.
+// Text on the page: what is open, its state, and notes that disappear.
 import { element } from "../common/dom";
 import type { Hello, History } from "./protocol";
 
@@ -10,7 +10,7 @@ export class Notices {
   set_status(text: string, state: string): void {
     const status = element("status");
     if (status.textContent !== text) status.textContent = text;
-    status.title = text; // it may be cut off
+    status.title = text; // the visible text may be cut off
     status.dataset.state = state;
   }
 
@@ -30,7 +30,7 @@ export class Notices {
   }
 }
 
-// For good.
+// Permanently.
 export function fail(text: string): void {
   const failure = element("failure");
   failure.hidden = false;
@@ -38,7 +38,7 @@ export function fail(text: string): void {
   document.documentElement.dataset.state = "failed";
 }
 
-// What is open, and which controls are of use there.
+// Shows what is open, and enables the controls that apply.
 export function show_hello(hello: Hello): void {
   element("title").textContent = hello.name;
   document.title = `${hello.name} – fascicle studio`;

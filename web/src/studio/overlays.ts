@@ -1,4 +1,4 @@
-// What is drawn beside a body: fibres, skeleton, tetrahedra that are inside out, the scene's solids, marks.
+// Drawn in addition to a body: fibres, skeleton, inverted tetrahedra, the scene's solids, markers.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -32,7 +32,7 @@ class Lines {
     this.object.visible = false;
   }
 
-  // 6 numbers a line.
+  // 6 numbers per line.
   draw(points: Float32Array, colours?: Float32Array): void {
     if (this.positions.count * 3 < points.length) {
       this.positions = new BufferAttribute(new Float32Array(points.length), 3);
@@ -45,19 +45,19 @@ class Lines {
   }
 }
 
-// Squares add to one: every direction is equally bright, and the axes are pure.
+// The squares sum to one: every direction is equally bright, and the axes get pure colours.
 const AXIS_COLOURS = [
   [0.68, 0.033, 0.025],
   [0.028, 0.342, 0.052],
   [0.024, 0.122, 0.694],
 ];
 
-// Short lines along the fibres, as the flesh carries them.
+// Short lines along the fibres, carried by the flesh.
 export class Fibres {
   readonly lines = new Lines(0xffffff, false, true);
-  private readonly at: number[] = []; // vertices that a fibre runs through
+  private readonly at: number[] = []; // vertices that have a fibre
   private readonly tetrahedron: number[] = [];
-  private readonly weights: number[] = []; // 3 a vertex: its direction in the tetrahedron's edges
+  private readonly weights: number[] = []; // 3 per vertex: its direction in terms of the tetrahedron's edges
   private readonly length: number;
 
   constructor(
@@ -115,7 +115,7 @@ export class Fibres {
 const BONE = [1, 0.64, 0.069];
 const NO_BONE = [0.25, 0.27, 0.3];
 
-// Lines from joint to joint, brighter where a bone begins.
+// Lines from joint to joint, brighter where a bone starts.
 export class Skeleton {
   readonly lines = new Lines(0xffffff, true, true);
   constructor(private readonly joints: { parent: number; is_bone?: boolean }[]) {}
@@ -132,7 +132,7 @@ export class Skeleton {
   }
 }
 
-// The edges of tetrahedra that are flat or turned inside out.
+// The edges of flat or inverted tetrahedra.
 export class Inverted {
   readonly lines = new Lines(0xff3b3b, true);
   constructor(private readonly tetrahedra: Uint32Array) {}
@@ -153,7 +153,7 @@ export class Inverted {
   }
 }
 
-// A ball that is seen through what lies before it.
+// A sphere that is visible through anything in front of it.
 export function marker(colour: number, opacity = 0.75): Object3D {
   const ball = new Mesh(
     new SphereGeometry(1, 24, 16),
@@ -171,7 +171,7 @@ export interface OverlayChoice {
   solids: boolean;
 }
 
-// All of them, made when they are first wanted.
+// All overlays, created on first use.
 export class Overlays {
   private message: BodyMessage | null = null;
   private arrays = new Map<string, Items>();
@@ -181,8 +181,8 @@ export class Overlays {
   private solids: Solids | null = null;
   private middle: Vector3 | null = null;
   private size = 1;
-  touches = 0; // vertices that lie against a solid, where solids are shown
-  readonly of_played = new Group(); // what goes with the flesh, and not with what it is compared with
+  touches = 0; // number of vertices that touch a solid, if solids are shown
+  readonly of_played = new Group(); // overlays of the played flesh, not of the comparison
 
   constructor(private readonly scene: Scene) {
     scene.add(this.of_played);
@@ -211,7 +211,7 @@ export class Overlays {
     return (this.message?.solids.length ?? 0) > 0;
   }
 
-  // `drawn`: the model's vertices that are seen; null: all.
+  // `drawn`: the model's visible vertices; null: all.
   draw(choice: OverlayChoice, frame: FrameMessage, drawn: Uint32Array | null): void {
     const { vertices, joints, solids } = frame.blocks;
     const tetrahedra = this.arrays.get("tetrahedron") as Uint32Array;

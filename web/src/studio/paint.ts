@@ -1,4 +1,4 @@
-// The brush: what is painted on the skin, and strokes that paint more.
+// The brush: the paint on the skin, and strokes that add to it.
 import { linear_of_hex, write_scale_colour } from "../common/colours";
 import type { Colour } from "../common/colours";
 import { checked, element, say } from "../common/dom";
@@ -8,11 +8,11 @@ import type { PaintMessage } from "./protocol";
 import { hit } from "./surface";
 import type { Items } from "./wire";
 
-// What the brush needs of the page.
+// What the brush needs from the page.
 export interface PaintUser {
   command(type: string, members: object): Promise<string>;
   say(text: string, is_bad: boolean): void;
-  changed(): void; // what is to be seen is another
+  changed(): void; // what is shown has changed
 }
 
 type Place = [number, number, number];
@@ -23,26 +23,26 @@ const LAYER_NAMES = ["by depth", "bone", "muscle", "fat"];
 const UNPAINTED: Colour = linear_of_hex("#8b8e93");
 const RIGID: Colour = linear_of_hex("#3f8fe0");
 const LAYER_COLOURS = LAYERS.map(linear_of_hex);
-const MOST_PLACES = 256; // of a message
-const SPACING = 0.25; // of the radius, between two places of a stroke
+const MOST_PLACES = 256; // per message
+const SPACING = 0.25; // fraction of the radius, between two places of a stroke
 
-// Radii from a 500th of the body's size to a fifth, evenly by their ratio.
+// Radii from a 500th to a fifth of the body's size, on a logarithmic scale.
 export function radius_of(step: number, size: number): number {
   return size * 0.002 * 100 ** (step / 100);
 }
 
-// What stiffness is multiplied by, where the brush may say up to `most`: from a tenth to ten times, evenly by the
-// ratio, or a share of alpha.
+// The factor of stiffness. If `most` is above 1: from a tenth to ten times, at most `most`, on a logarithmic
+// scale; otherwise a fraction of alpha.
 export function stiffness_of(step: number, most: number): number {
   return most > 1 ? Number(Math.min(10 ** (step / 50 - 1), most).toPrecision(2)) : step / 100;
 }
 
-// Places of a stroke that are worth saying: no nearer to each other than `least`.
+// Whether a place is far enough from the last one of a stroke to be sent.
 export function is_apart(a: Place, b: Place, least: number): boolean {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) >= least;
 }
 
-// A value's colour, into three entries. `most`: of stiffness.
+// Writes a value's colour to three entries. `most`: of stiffness.
 export function write_paint_colour(
   kind: string,
   values: Float32Array | null,
@@ -59,7 +59,7 @@ export function write_paint_colour(
     const value = values?.[vertex] ?? 1;
     write_scale_colour(most > 1 ? (1 + Math.log10(Math.max(value, 0.01))) / 2 : value, to, at);
   } else {
-    // Fibres are lines: the two ways along one have one colour.
+    // Fibres have no sign: opposite directions have the same colour.
     const length = values ? Math.hypot(values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]) : 0;
     for (let c = 0; c < 3; ++c) to[at + c] = length < 0.1 ? UNPAINTED[c] : 0.06 + (0.8 * Math.abs(values![3 * vertex + c])) / length;
   }
@@ -67,7 +67,7 @@ export function write_paint_colour(
 
 export class Painter {
   private message: PaintMessage | null = null;
-  private readonly sheets = new Map<string, Float32Array>(); // by the attribute's name
+  private readonly sheets = new Map<string, Float32Array>(); // by attribute name
   private stroke: { number: number; finger: number; last: Place | null; waiting: Place[]; ends: boolean; direction: Place } | null =
     null;
   private strokes = 0;
@@ -78,7 +78,7 @@ export class Painter {
     private readonly user: PaintUser,
   ) {}
 
-  // ---- What the server says
+  // ---- Messages from the server
 
   said(message: PaintMessage): void {
     this.message = message;
@@ -96,7 +96,7 @@ export class Painter {
     this.note();
   }
 
-  // For whoever looks from outside: how many vertices have paint of the chosen kind.
+  // For tests: the number of vertices painted with the chosen kind.
   private note(): void {
     const { kind } = this.chosen();
     const values = this.sheets.get(kind);
@@ -112,7 +112,7 @@ export class Painter {
     this.user.changed();
   }
 
-  // ---- What is chosen
+  // ---- The user's choice
 
   private chosen(): { kind: string; value: number } {
     const [kind, value] = element<HTMLSelectElement>("brush-kind").value.split(":");
@@ -120,7 +120,7 @@ export class Painter {
     return { kind, value: value === undefined ? stiffness_of(step, this.most) : Number(value) };
   }
 
-  // Of painted stiffness.
+  // Maximum of painted stiffness.
   private get most(): number {
     return this.message?.attributes.find((one) => one.name === "_STIFFNESS")?.most ?? 1;
   }
@@ -137,7 +137,7 @@ export class Painter {
     write_paint_colour(kind, this.sheets.get(kind) ?? null, vertex, to, at, this.most);
   };
 
-  // Entries of the legend: a text, and a colour where it has one.
+  // Entries of the legend: a text, and a colour if it has one.
   legend(): [string, string | null][] {
     const { kind } = this.chosen();
     if (kind === "_LAYER") return LAYERS.map((colour, k) => [LAYER_NAMES[k], colour]);
@@ -167,11 +167,13 @@ export class Painter {
   }
 
   // ---- Strokes
+  //
+  // The rest place of the skin that is currently visible there.
 
   // Where the skin is at rest that is seen there now.
   private rest_at(x: number, y: number): { rest: Place; place: Place } | null {
     const { surface, places, rest_of_skin } = this.picture;
-    // Skin beside what is played cannot be painted.
+    // The skin of the comparison cannot be painted.
     if (!surface || !places || !rest_of_skin || x < this.picture.box_of_played().left) return null;
     const { origin, direction } = this.picture.ray_at(x, y).ray;
     const found = hit(origin.toArray(), direction.toArray(), places, surface);
@@ -184,7 +186,7 @@ export class Painter {
   }
 
   private begin(rest: Place, finger: number, direction: Place): void {
-    // Pages may be loaded again: numbers of strokes go on from the time.
+    // The page may be reloaded, so stroke numbers continue from the time.
     this.strokes = Math.max(this.strokes + 1, Date.now());
     this.stroke = { number: this.strokes, finger, last: rest, waiting: [rest], ends: false, direction };
     this.flush();
@@ -241,7 +243,7 @@ export class Painter {
     this.flush();
   }
 
-  // Without a mouse: one dab in the picture's middle. Fibres then run upwards.
+  // For use without a mouse: one dab in the middle of the picture. Fibres then point upwards.
   dab(): void {
     if (!this.is_chosen || this.stroke) return;
     const box = this.picture.box_of_played();
@@ -271,7 +273,7 @@ export class Painter {
     element("tool").addEventListener("change", controls);
     element("brush").addEventListener("input", controls);
     element("brush-middle").addEventListener("click", () => this.dab());
-    // Before the camera's own listeners.
+    // Registered before the camera's own listeners.
     canvas.addEventListener(
       "pointerdown",
       (event) => {

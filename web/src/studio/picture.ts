@@ -1,4 +1,4 @@
-// The studio's picture: the body that the server describes, as it is to be looked at.
+// The studio's picture: draws the body from the server as the user chose.
 import { Raycaster, Vector2, Vector3 } from "three";
 import type { Group } from "three";
 import { Body, BodyMaterials } from "../common/body";
@@ -20,7 +20,7 @@ export type ShownColour = Colouring | "difference" | "muscles" | "contact" | "pa
 export interface Choice {
   colour: ShownColour;
   comparison: "flesh" | "ghost" | "sides";
-  against: "skinning" | "bake"; // what the ghost or the other side is
+  against: "skinning" | "bake"; // what the ghost or the other side shows
   tetrahedra: boolean;
   cut: Cut | null;
   edges: boolean;
@@ -28,10 +28,10 @@ export interface Choice {
   skeleton: boolean;
   inverted: boolean;
   solids: boolean;
-  lag_scale: number; // m, of lag and of the difference
+  lag_scale: number; // m, for lag and for the difference
 }
 
-// What frames must hold for it.
+// The blocks that frames must contain for it.
 export function blocks_for(choice: Choice, has_skin: boolean): BlockName[] {
   const blocks: BlockName[] = [];
   const tetrahedra = choice.tetrahedra || !has_skin;
@@ -45,7 +45,7 @@ export function blocks_for(choice: Choice, has_skin: boolean): BlockName[] {
   return blocks;
 }
 
-// The same of the bake that stands beside.
+// The same for the comparison bake.
 export function blocks_beside(choice: Choice, has_skin: boolean): BlockName[] {
   const is_drawn = choice.comparison !== "flesh" && choice.against === "bake";
   if (!is_drawn && choice.colour !== "difference") return [];
@@ -55,12 +55,12 @@ export function blocks_beside(choice: Choice, has_skin: boolean): BlockName[] {
   return has_lag ? ["surface", "ghost"] : ["surface"];
 }
 
-const CONTACT_SCALE = 0.02; // m of depth that take the scale's last colour
+const CONTACT_SCALE = 0.02; // m; the depth that gets the scale's last colour
 
 export class Picture {
   readonly stage: Stage;
-  most_lag = 0; // m, that was seen
-  most_difference = 0; // m, the same
+  most_lag = 0; // m, maximum so far
+  most_difference = 0; // m, likewise
   readonly beside: Beside;
   private message: BodyMessage | null = null;
   private arrays = new Map<string, Items>();
@@ -78,9 +78,10 @@ export class Picture {
   private readonly grip = marker(0x62b0ff);
   private readonly brush = marker(0xffffff, 0.18);
   private readonly joint = marker(0xffa21a);
-  paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for the colours "paint"
+  paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for colouring by
+                                                                                          // "paint"
   private is_framed = false;
-  private is_split = false; // whether there are two pictures beside each other
+  private is_split = false; // whether there are two pictures side by side
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
@@ -99,12 +100,12 @@ export class Picture {
   get has_muscles(): boolean {
     return this.arrays.has("muscle.vertex");
   }
-  // Whether what is drawn and the bake beside are of the same vertices.
+  // Whether the drawn body and the comparison bake have the same vertices.
   is_like_beside(tetrahedra: boolean): boolean {
     return this.beside.is_like(tetrahedra || !this.skin);
   }
 
-  // The body that `arrays` describe; textures are there already.
+  // Sets the body described by `arrays`; its textures are already loaded.
   set_body(message: BodyMessage, arrays: Map<string, Items>, looks: Omit<Looks, "groups">): void {
     this.message = message;
     this.arrays = arrays;
@@ -135,8 +136,8 @@ export class Picture {
     this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
     middle.y -= 0.5 * fall;
-    // A clip moves about; half as much again takes in most of it, a jump with raised arms too. What falls is seen
-    // above and below.
+    // A clip moves around; adding half the size covers most clips, including a jump with raised arms. A falling
+    // body is fitted above and below.
     const points: number[] = [];
     for (const down of fall > 0 ? [0, fall] : [0])
       rest.forEach((value, k) => points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3))));
@@ -184,7 +185,7 @@ export class Picture {
     this.stage.scene.add(this.flesh.group, this.ghost.group);
   }
 
-  // False where the frame does not hold what the choice wants.
+  // False if the frame lacks something that the choice needs.
   show(frame: FrameMessage, choice: Choice): boolean {
     this.make_bodies(choice);
     const tetrahedra = choice.tetrahedra || !this.skin;
@@ -265,7 +266,7 @@ export class Picture {
       to.fill(0.55, at, at + 3);
       return;
     }
-    // Hues a golden angle apart: neighbours in number are told apart.
+    // Hues a golden angle apart, so that neighbouring numbers differ clearly.
     const hue = (0.02 + 0.618034 * muscle) % 1;
     for (let c = 0; c < 3; ++c) to[at + c] = 0.08 + 0.55 * Math.max(0, 1 - 3 * Math.abs(((hue - c / 3 + 1.5) % 1) - 0.5));
   }
@@ -294,7 +295,7 @@ export class Picture {
   get places(): Float32Array | null {
     return this.positions;
   }
-  // Of the skin's own vertices, m; null where there is no skin or it is not what is drawn.
+  // The skin's own vertices, m; null if there is no skin or it is not drawn.
   get rest_of_skin(): Float32Array | null {
     return this.drawn_as === "skin" ? (this.arrays.get("surface.rest") as Float32Array) : null;
   }
@@ -304,7 +305,7 @@ export class Picture {
     return new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
   }
 
-  // Looks at a place of the body, and marks it.
+  // Moves the camera to a place on the body, and marks it.
   point_at(place: readonly [number, number, number]): void {
     this.mark.visible = true;
     this.mark.position.set(...place);
@@ -316,7 +317,7 @@ export class Picture {
     this.stage.invalidate();
   }
 
-  // What is seen at a place of the window.
+  // The ray through a point of the window.
   ray_at(x: number, y: number): Raycaster {
     const { camera, orbit } = this.stage;
     const box = this.box_of_played();
@@ -327,7 +328,7 @@ export class Picture {
     return ray;
   }
 
-  // Where in the window what is played is drawn: all of the picture, or its right half.
+  // The part of the window that shows the played body: the whole picture, or its right half.
   box_of_played(): DOMRect {
     const box = this.stage.canvas.getBoundingClientRect();
     if (!this.is_split) return box;

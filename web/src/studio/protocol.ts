@@ -1,4 +1,4 @@
-// The server's messages in JSON: docs/design/studio.md. Only what the page reads.
+// The server's JSON messages: docs/design/studio.md. Contains only the members that the page reads.
 
 export interface Hello {
   type: "hello";
@@ -23,14 +23,15 @@ export interface BodyLayer {
   colour: string;
 }
 
-// A box of this half size, rounded by the radius; of a plane everything below its height, the radius, is solid.
+// A box of this half size, rounded by the radius. For a plane, everything below its height, the radius, is
+// solid.
 export interface SolidMessage {
   name: string;
   shape: "plane" | "sphere" | "capsule" | "box";
   half_size: [number, number, number]; // m
   radius: number; // m
   middle: [number, number, number]; // m, in the bind pose
-  up: [number, number, number]; // its own second axis there
+  up: [number, number, number]; // its own second axis in the bind pose
 }
 
 export interface BodyMessage {
@@ -53,7 +54,7 @@ export interface ClipMessage {
   clips: string[];
   fps: number;
   start: number;
-  frames: number; // of the last; the first is 0
+  frames: number; // number of the last; the first is 0
   substeps: number;
   iterations: number;
 }
@@ -78,7 +79,7 @@ export interface SceneKey {
   allowed?: string[];
   rivals?: string[]; // keys that are dropped when this one is set
   effect: "live" | "rebuild";
-  why_unused?: string; // it would be refused as the scene stands
+  why_unused?: string; // the reason why it would be refused in the current scene
 }
 
 export interface KeyGroup {
@@ -124,20 +125,20 @@ export interface PaintMessage {
   type: "paint";
   can_paint: boolean;
   why_not: string;
-  attributes: { name: string; why_not: string; most: number }[]; // most: the largest value that it takes
-  arrays: string[]; // that follow
+  attributes: { name: string; why_not: string; most: number }[]; // most: its largest allowed value
+  arrays: string[]; // that follow this message
 }
 
-// A bake that stands beside what is played.
+// A bake shown for comparison.
 export interface BesideBake {
   name: string;
   fps: number;
   start: number;
-  frames: number; // of the last; the first is 0
+  frames: number; // number of the last; the first is 0
   counts: BodyMessage["counts"];
   layers: BodyLayer[];
-  arrays: string[]; // that follow
-  why_no_lag?: string; // absent where frames say what it is
+  arrays: string[]; // that follow this message
+  why_no_lag?: string; // absent if frames contain it
 }
 
 export interface BesideMessage {

@@ -1,4 +1,4 @@
-// Where a key's value lies on its slider, which has whole steps from 0 to STEPS.
+// The position of a key's value on its slider, which has integer steps from 0 to STEPS.
 import type { SceneKey } from "./protocol";
 
 export const STEPS = 400;
@@ -9,7 +9,7 @@ export interface Range {
   logarithmic: boolean;
 }
 
-// Nothing of a key that says no two bounds.
+// Nothing for a key without both bounds.
 export function range_of(key: Pick<SceneKey, "soft_minimum" | "soft_maximum" | "minimum" | "maximum" | "logarithmic">): Range | null {
   const least = key.soft_minimum ?? key.minimum;
   const most = key.soft_maximum ?? key.maximum;
@@ -24,7 +24,7 @@ export function step_of(value: number, range: Range): number {
   return Math.round(Math.min(Math.max(share, 0), 1) * STEPS);
 }
 
-// With three digits, as people write numbers.
+// Rounded to three significant digits, as people write numbers.
 export function value_of(step: number, range: Range): number {
   const share = step / STEPS;
   const value = range.logarithmic
@@ -32,7 +32,7 @@ export function value_of(step: number, range: Range): number {
     : range.least + share * (range.most - range.least);
   if (step === 0) return range.least;
   if (step === STEPS) return range.most;
-  // What is near 0 only because the span goes through it is 0.
+  // A value that is only near 0 because of rounding is 0.
   if (!range.logarithmic && Math.abs(value) < 1e-9 * (range.most - range.least)) return 0;
   return Number(value.toPrecision(3));
 }

@@ -67,7 +67,7 @@ test("what falls has its floor where the highest plane below it stands", () => {
   assert.equal(floor_of([at(-1), at(-2), at(1)], 0.3), -1);
   assert.equal(floor_of([at(-1, [0, 1, 0], 0.25)], 0.3), -0.75);
   assert.equal(floor_of([at(-1, [0, -1, 0]), at(-1, [1, 0, 0])], 0.3), 0.3);
-  // A slope of 45 degrees through (1, -2, 0), 3 m on.
+  // A slope of 45 degrees through (1, -2, 0), 3 m away.
   assert.ok(Math.abs(floor_of([{ ...at(-2, [Math.SQRT1_2, Math.SQRT1_2, 0]), middle: [1, -2, 0] }], 0.3, 4, 9) + 5) < 1e-12);
   assert.equal(floor_of([solid("box", [1, 1, 1], 0)], 0.3), 0.3);
 });

@@ -1,4 +1,4 @@
-// The scene's solids, and where flesh lies against them.
+// The scene's solids, and where flesh touches them.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -16,24 +16,24 @@ import {
 import { nice_above } from "../common/numbers";
 import type { SolidMessage } from "./protocol";
 
-const QUARTER = 10; // steps of a quarter of a circle
-const LINES = 20; // across a plane, at most about so many
-const TOUCH = 0.0015; // of the body's size: flesh that lies no farther from a solid touches it
+const QUARTER = 10; // steps per quarter circle
+const LINES = 20; // maximum number across a plane, approximately
+const TOUCH = 0.0015; // fraction of the body's size: flesh this close to a solid touches it
 
-// A solid's own space in the scene: a rotation, by columns, and a middle.
+// A solid's own space in the scene: a rotation, in columns, and a middle.
 export interface Pose {
   middle: readonly number[];
   axes: readonly [readonly number[], readonly number[], readonly number[]];
 }
 
-// Of the block "solids": four points each.
+// From the block "solids": four points each.
 export function poses_of(block: Float32Array): Pose[] {
   const poses: Pose[] = [];
   for (let k = 0; k + 11 < block.length; k += 12) {
     const middle = [block[k], block[k + 1], block[k + 2]];
     const axis = (number: number) => {
       const along = [0, 1, 2].map((c) => block[k + 3 * (number + 1) + c] - middle[c]);
-      const length = Math.hypot(...along) || 1; // the wire rounds
+      const length = Math.hypot(...along) || 1; // values were rounded for transfer
       return along.map((one) => one / length);
     };
     poses.push({ middle, axes: [axis(0), axis(1), axis(2)] });
@@ -41,8 +41,8 @@ export function poses_of(block: Float32Array): Pose[] {
   return poses;
 }
 
-// The height (m) of the highest plane on which a body can come down whose lowest point is at `lowest`, below its middle
-// at (x, z); that point's own where there is none.
+// The height (m) of the highest plane that a body can land on whose lowest point is at `lowest`, below its
+// middle at (x, z); `lowest` itself if there is none.
 export function floor_of(solids: readonly SolidMessage[], lowest: number, x = 0, z = 0): number {
   const heights = solids
     .filter((solid) => solid.shape === "plane" && solid.up[1] > 0.7)
@@ -51,7 +51,7 @@ export function floor_of(solids: readonly SolidMessage[], lowest: number, x = 0,
   return heights.length > 0 ? Math.max(...heights) : lowest;
 }
 
-// How far a point is outside a solid, m; below 0 inside.
+// Distance of a point from a solid, m; negative inside.
 export function distance_to(solid: SolidMessage, pose: Pose, x: number, y: number, z: number): number {
   const from = [x - pose.middle[0], y - pose.middle[1], z - pose.middle[2]];
   const along = (axis: readonly number[]) => axis[0] * from[0] + axis[1] * from[1] + axis[2] * from[2];
@@ -61,7 +61,7 @@ export function distance_to(solid: SolidMessage, pose: Pose, x: number, y: numbe
   return outside + Math.min(Math.max(...beyond), 0) - solid.radius;
 }
 
-// Vertices (3 numbers each) that lie against a solid; those that the skeleton alone moves do not count.
+// Vertices (3 numbers each) that touch a solid, except those moved by the skeleton alone.
 export function touching(
   solids: readonly SolidMessage[],
   poses: readonly Pose[],
@@ -74,7 +74,7 @@ export function touching(
     if (kinematic[i]) continue;
     const near = poses.some((pose, s) => {
       const distance = distance_to(solids[s], pose, vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
-      // Deeper flesh is such as the solid holds from the start, and is not pushed.
+      // Deeper flesh was inside the solid from the start, and is not pushed out.
       return Math.abs(distance) <= gap;
     });
     if (near) found.push(i);
@@ -82,7 +82,7 @@ export function touching(
   return found;
 }
 
-// A box whose edges are rounded; of a half size of 0 a ball, and of one length alone a capsule.
+// A box with rounded edges; a sphere if all half sizes are 0, a capsule if only one is not.
 export function rounded_box(half: readonly number[], radius: number): { positions: Float32Array; triangles: Uint32Array } {
   const quarter = Math.PI / 2;
   const columns = 4 * (QUARTER + 1);
@@ -114,7 +114,7 @@ export function rounded_box(half: readonly number[], radius: number): { position
   return { positions: Float32Array.from(positions), triangles: Uint32Array.from(triangles) };
 }
 
-// Of a box's edges, or of a ball's or capsule's three great circles, pairs of points.
+// Pairs of points along the edges of a box, or along the three great circles of a sphere or capsule.
 function outline(solid: SolidMessage): Float32Array {
   const { half_size: half, radius } = solid;
   const points: number[] = [];
@@ -129,7 +129,7 @@ function outline(solid: SolidMessage): Float32Array {
         ring.push(place);
       }
     const third = 3 - a - b;
-    // Two rings where the third side has a length, else one through the middle.
+    // Two rings if the third half size is not 0, otherwise one through the middle.
     for (const sign of half[third] > 0 ? [1, -1] : [1])
       ring.forEach((place, k) => {
         for (const one of [place, ring[(k + 1) % ring.length]]) {
@@ -163,7 +163,7 @@ export class Solids {
     depthWrite: false,
   });
   private readonly lines = new LineBasicMaterial({ color: 0x8f7ff0, transparent: true, opacity: 0.75 });
-  // Where flesh lies: of one body alone, and so no part of the group.
+  // Contact points: shown for the played body only, so they are not part of the group.
   readonly spots = new Points(
     new BufferGeometry(),
     new PointsMaterial({ color: 0xff7a1a, size: 5, sizeAttenuation: false, depthTest: false, transparent: true }),
@@ -203,15 +203,15 @@ export class Solids {
     this.spots.renderOrder = 4;
   }
 
-  // The block "solids", and the model's vertices where they are known; `middle`: of the body, `size`: its extent, m.
-  // Returns how many vertices touch.
+  // The block "solids", and the model's vertices if known; `middle`: of the body, `size`: its extent, m.
+  // Returns the number of vertices that touch.
   draw(block: Float32Array, vertices: Float32Array | null, kinematic: Uint8Array, middle: Vector3, size: number): number {
     const poses = poses_of(block).slice(0, this.solids.length);
     poses.forEach(({ middle: at, axes }, s) => {
       const place = new Vector3(at[0], at[1], at[2]);
       const [x, y, z] = axes.map((axis) => new Vector3(axis[0], axis[1], axis[2]));
       if (this.solids[s].shape === "plane") {
-        // The place of the plane that is nearest to the body.
+        // The point of the plane nearest to the body.
         const height = middle.clone().sub(place).dot(y) - this.solids[s].radius;
         place.copy(middle).addScaledVector(y, -height);
       }

@@ -18,7 +18,7 @@ test("a cube has a normal for each side, three at each corner", () => {
     layer: new Uint8Array(8),
   });
   assert.equal(surface.place.length, 24);
-  // Each side's four corners are joined along its diagonal alone; the fan around an edge is not.
+  // The four corners of each side are joined only along its diagonal, not around the cube's edges.
   assert.equal(groups.length, 2);
   assert.equal(groups.reduce((sum, group) => sum + group.triangles, 0), 12);
   const corners = (list: ArrayLike<number>, of = (k: number) => k) => {

@@ -1,9 +1,9 @@
-// What is drawn of a body that the server describes: its skin with creases, or the outside of its tetrahedra.
+// The surface to draw for a body from the server: its skin with creases, or the outside of its tetrahedra.
 import type { Material, Surface } from "../common/film";
 
-const CREASE_COSINE = 0.64; // 50 degrees: a side where the rest shape bends by more is an edge of the shape
+const CREASE_COSINE = 0.64; // 50 degrees: an edge where the rest shape bends by more is a crease
 
-// Union of corners that share a normal.
+// Union-find over corners that share a normal.
 class Unions {
   private readonly parent: Uint32Array;
   constructor(count: number) {
@@ -33,7 +33,7 @@ function first_at_same_place(rest: Float32Array): Uint32Array {
 export interface SkinArrays {
   rest: Float32Array;
   triangles: Uint32Array;
-  material: Uint32Array | null; // of a vertex; a triangle has its first corner's
+  material: Uint32Array | null; // per vertex; a triangle has its first corner's
   uvs: Float32Array | null;
   colours: Float32Array | null; // linear light
   layer: Uint8Array;
@@ -42,10 +42,10 @@ export interface SkinArrays {
 export interface Skin {
   surface: Surface;
   groups: { material: number; triangles: number }[];
-  linear_colours: Float32Array | null; // of a drawn vertex
+  linear_colours: Float32Array | null; // per drawn vertex
 }
 
-// The skin with a vertex more for each crease that runs through it; its places are the skin's own vertices.
+// The skin with an extra vertex for each crease through a vertex; its places are the skin's own vertices.
 export function skin_of(arrays: SkinArrays): Skin {
   const { rest } = arrays;
   const place = first_at_same_place(rest);
@@ -69,9 +69,10 @@ export function skin_of(arrays: SkinArrays): Skin {
     const length = Math.hypot(...normal) || 1;
     for (let k = 0; k < 3; ++k) normals[3 * t + k] = normal[k] / length;
   }
-  // Corners of triangles are joined across every side that is no crease; what is joined has one normal.
+  // Joins corners of triangles across every edge that is not a crease; joined corners share a normal.
   const unions = new Unions(triangles.length);
-  const sides = new Map<number, [number, number]>(); // the corners at the lower place and at the higher
+  const sides = new Map<number, [number, number]>(); // the corners at the lower-numbered and at the
+                                                     // higher-numbered place
   for (let k = 0; k < triangles.length; ++k) {
     const next = k % 3 === 2 ? k - 2 : k + 1;
     const [a, b] = [place[triangles[k]], place[triangles[next]]];
@@ -134,12 +135,12 @@ export function skin_of(arrays: SkinArrays): Skin {
   };
 }
 
-// What tetrahedra are drawn with.
+// The material of tetrahedra.
 export const INSIDE: Material = { name: "", colour: [0.62, 0.6, 0.57], cutoff: 0, texture: -1 };
 
 export interface Cut {
   axis: 0 | 1 | 2;
-  place: number; // m, of the rest shape
+  place: number; // m, in the rest shape
 }
 
 const SIDES = [
@@ -149,7 +150,7 @@ const SIDES = [
   [0, 2, 1],
 ];
 
-// The outside of the tetrahedra that do not lie wholly beyond the cut, in flat faces.
+// The outside of the tetrahedra that are not wholly beyond the cut, flat shaded.
 export function tetrahedra_surface(
   rest: Float32Array,
   tetrahedra: Uint32Array,
@@ -173,7 +174,7 @@ export function tetrahedra_surface(
     if (!side) continue;
     const number = place.length / 3;
     const own = [0, 1, 2, 3].map((c) => layer[tetrahedra[side.tetrahedron + c]]).sort((x, y) => x - y);
-    // The layer of most corners; of equals the lowest.
+    // The layer of most corners; in a tie, the lowest.
     const most = own.reduce((best, one) =>
       own.filter((other) => other === one).length > own.filter((other) => other === best).length ? one : best,
     );
@@ -203,7 +204,7 @@ export interface Hit {
   weights: [number, number, number]; // of the corners, at the place
 }
 
-// Of a ray (3 numbers each): the nearest triangle that it meets, and where; null where it meets none.
+// The nearest triangle that a ray (3 numbers each) hits, and where; null if it hits none.
 export function hit(
   from: readonly number[],
   along: readonly number[],

@@ -1,10 +1,10 @@
-// The scene's keys as controls: a row each, made once and filled anew with every revision.
+// The scene's keys as controls: one row each, created once and updated with every revision.
 import type { KeyGroup, KeyValue, SceneKey } from "./protocol";
 import { range_of, step_of, STEPS, value_of } from "./slider";
 
 export type Change = (path: string, value: KeyValue, gesture: number | null) => void;
 
-// Shows what holds; unless by force not in a control that is in use.
+// Shows the current value; skips a control in use unless by force.
 type Fill = (key: SceneKey, by_force: boolean) => void;
 
 interface Row {
@@ -13,8 +13,9 @@ interface Row {
   fill: Fill;
 }
 
-// Whether it is shown unasked: what has a slider, what the scene states, and what moves flesh from outside. Of the forms
-// that say the same, such as a layer's stiffness, only the one that the scene uses.
+// Whether a key is shown without searching: those with a slider, those that the scene sets, and those that move
+// flesh from outside. Of equivalent keys, such as those for a layer's stiffness, only the one that the scene
+// uses.
 export function is_near(key: SceneKey, is_set: (path: string) => boolean): boolean {
   if (key.kind === "other" || key.kind === "texts" || key.why_unused) return false;
   if (!key.is_set && key.rivals?.some(is_set)) return false;
@@ -25,7 +26,7 @@ function shown_value(key: SceneKey): KeyValue {
   return key.value ?? (typeof key.fallback === "object" || key.kind !== "text" ? (key.fallback as KeyValue) : key.fallback);
 }
 
-// What is changed most stands first.
+// What is changed most often comes first.
 const FIRST = ["flesh", "layers", "muscle", "force", "collider", "scene", "contact", "solver", "motion"];
 
 function place_of(group: KeyGroup): number {
@@ -41,7 +42,7 @@ export function title_of(group: KeyGroup): string {
   return title.charAt(0).toUpperCase() + title.slice(1);
 }
 
-const ECHO = 700; // ms in which a control is not set by what comes back
+const ECHO = 700; // ms during which echoed values do not update a control
 let gestures = 0;
 
 export class TouchPanel {
@@ -53,7 +54,7 @@ export class TouchPanel {
     private readonly home: HTMLElement,
     private readonly find: HTMLInputElement,
     private readonly change: Change,
-    private readonly nothing: HTMLElement, // what says that no key was found
+    private readonly nothing: HTMLElement, // shown if no key was found
   ) {
     find.addEventListener("input", () => this.filter());
   }
@@ -72,7 +73,7 @@ export class TouchPanel {
     this.filter();
   }
 
-  // What was chosen does not hold: controls show what does, also where somebody is typing.
+  // The chosen value was refused: controls show the current values, even while the user is typing.
   restore(): void {
     for (const group of this.groups) for (const key of group.keys) this.rows.get(key.path)?.fill(key, true);
   }
@@ -157,7 +158,7 @@ export class TouchPanel {
         element.classList.toggle("is-set", now.is_set);
         reset.style.visibility = now.is_set ? "visible" : "hidden";
         fill_value(now, by_force);
-        // Found by its name it is shown, and says why it cannot be set.
+        // A key found by its name is shown, with the reason why it cannot be set.
         for (const control of element.querySelectorAll<HTMLInputElement | HTMLSelectElement>("input, select"))
           control.disabled = now.why_unused !== undefined;
         unused.hidden = now.why_unused === undefined;
@@ -166,7 +167,7 @@ export class TouchPanel {
     };
   }
 
-  // Adds the control of a key's kind; returns what fills it.
+  // Adds the control for a key's kind; returns the function that fills it.
   private control(element: HTMLElement, name: HTMLElement, key: SceneKey, id: string): Fill {
     const value = document.createElement("span");
     value.className = "value";
@@ -247,7 +248,7 @@ export class TouchPanel {
     });
     const range = range_of(key);
     let slider: HTMLInputElement | null = null;
-    // What the server echoes is older than what is being chosen.
+    // Echoes from the server are older than what the user is choosing.
     let chosen_at = -Infinity;
     const is_busy = () => performance.now() - chosen_at < ECHO;
     if (range && key.kind === "number") {

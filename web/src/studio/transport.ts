@@ -9,16 +9,16 @@ const PAUSE = "M3.5 2.5h3.2v11H3.5zM9.3 2.5h3.2v11H9.3z";
 export class Transport {
   clip: ClipMessage | null = null;
   player: PlayerMessage | null = null;
-  private frame = 0; // that is shown
+  private frame = 0; // the current one
 
   constructor(private readonly send: (type: string, members?: object) => void) {}
 
-  // Whether frames come by themselves.
+  // Whether frames arrive by themselves.
   get moves(): boolean {
     return this.player?.state === "playing" || this.player?.state === "recording";
   }
 
-  // True where another clip begins.
+  // True if another clip starts.
   set_clip(clip: ClipMessage): boolean {
     const before = this.clip;
     this.clip = clip;
@@ -50,7 +50,7 @@ export class Transport {
     scrub.setAttribute("aria-valuetext", `frame ${clock}`);
   }
 
-  // In words. `begins`: the flesh has been carried to where it is.
+  // In words. `begins`: the flesh has been carried to its current place.
   status(can_touch: boolean, begins: boolean): string {
     if (this.player?.message) return this.player.message;
     switch (this.player?.state) {

@@ -1,4 +1,4 @@
-// What the studio's server sends in bytes: docs/design/studio.md.
+// The binary messages of the studio's server: docs/design/studio.md.
 
 const ARRAY = 2;
 const FRAME = 1;
@@ -12,7 +12,7 @@ export interface ArrayMessage {
   items: Items;
 }
 
-// 3 numbers a point.
+// 3 numbers per point.
 export interface Block {
   positions: Float32Array;
 }
@@ -26,19 +26,19 @@ export interface FrameMessage {
   revision: number;
   frame: number;
   is_recorded: boolean;
-  begins: boolean; // the first after a start, a jump along the clip or a swap of the body
-  time: number; // s of the clip
+  begins: boolean; // the first after a start, a jump along the clip or a change of body
+  time: number; // s, in the clip
   hash: string; // 16 hex digits
   solver_seconds: number;
-  rate: number; // frames a second that the solver can do
+  rate: number; // frames per second that the solver can compute
   lag: number; // m, root mean square
   most_lag: number;
   energy: number; // J
-  volume: number; // over that of the rest shape
+  volume: number; // relative to the rest shape
   inverted: number;
   speed: number; // m/s
   blocks: Partial<Record<BlockName, Float32Array>>;
-  beside: FrameMessage | null; // of the bake that stands beside
+  beside: FrameMessage | null; // of the comparison bake
 }
 
 const aligned = (bytes: number) => (bytes + 3) & ~3;

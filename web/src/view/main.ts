@@ -1,4 +1,4 @@
-// The page of `fascicle view`: a finished bake, looked at.
+// The page of `fascicle view`: shows a finished bake.
 import { Box3, Vector3 } from "three";
 import { Body, BodyMaterials, load_textures } from "../common/body";
 import type { Colouring, Looks } from "../common/body";
@@ -17,8 +17,9 @@ import { FIELD, Stage } from "../common/stage";
 import { follow_theme, style_value } from "../common/theme";
 
 const MOST_LANES = 4;
-const MOST_SAMPLES = 60000; // points of all frames that the camera and the scale are fitted to
-const SLICE = 24; // ms of decoding before the page may answer
+const MOST_SAMPLES = 60000; // number of sampled points, over all frames, that the camera and the scale are
+                            // fitted to
+const SLICE = 24; // ms of decoding before yielding to the page
 const PLAY = "M4 2.5v11L13.5 8z";
 const PAUSE = "M3.5 2.5h3.2v11H3.5zM9.3 2.5h3.2v11H9.3z";
 
@@ -29,12 +30,12 @@ class Viewer {
   private readonly places: Float32Array;
   private readonly lag: Float32Array;
   private readonly centre: [number, number, number];
-  private readonly middles: Vector3[] = []; // of each frame, m from the centre
+  private readonly middles: Vector3[] = []; // per frame, m from the centre
   private flesh!: Body;
   private ghost!: Body;
   private plot!: CurvePlot;
   private lanes: Lane[] = [];
-  private most_lag = 1e-3; // m, which few places have more of in any frame
+  private most_lag = 1e-3; // m, exceeded by few places in any frame
   private shown = -1;
   private last_tick = 0;
 
@@ -80,7 +81,7 @@ class Viewer {
     document.documentElement.dataset.state = "ready";
   }
 
-  // All frames, a slice at a time, so that the page answers meanwhile.
+  // Decodes all frames in slices, so that the page stays responsive.
   private async decode(): Promise<void> {
     const { film } = this;
     const bar = element<HTMLProgressElement>("loaded");
@@ -102,11 +103,11 @@ class Viewer {
     this.most_lag = nice_above(high, [1, 1.5, 2, 3, 4, 5, 6, 8, 10]);
   }
 
-  // The camera takes in the whole motion, or where the body goes far, the body as it goes.
+  // Fits the camera to the whole motion or, if the body travels far, to the body as it moves.
   private furnish(): void {
     const { film, stage } = this;
     const all = new Box3();
-    const own = new Box3(); // around the body's own middle
+    const own = new Box3(); // relative to the body's own middle
     const point = new Vector3();
     const each = (use: (frame: number) => void) =>
       film.flesh.forEach((cells, k) => {
@@ -353,7 +354,7 @@ class Viewer {
     return (this.most_lag * Math.max(Number(element<HTMLInputElement>("lag-scale").value), 1)) / 100;
   }
 
-  // Everything of the page that depends on the frame and on what was chosen.
+  // Updates everything that depends on the frame and on the user's choices.
   private show(): void {
     const { film, player, stage, description } = this;
     const { frame } = player;
@@ -440,7 +441,7 @@ class Viewer {
   }
 
   private tick(now: number): void {
-    // A frame's time may lie before the click that began to play.
+    // A frame's timestamp may be earlier than the click that started playback.
     const seconds = Math.min(Math.max(now - this.last_tick, 0) / 1000, 0.25);
     this.last_tick = now;
     if (this.player.advance(seconds)) this.show();
