@@ -68,14 +68,14 @@ need() {
     command -v sudo >/dev/null || { echo "do: need root or sudo to install:$missing" >&2; exit 1; }
     root=sudo
   fi
-  # Installed packages are on stderr, as everything but the program's own results.
+  # Output of apt-get goes to stderr, like everything except the program's own results.
   $root apt-get update -qq >&2
   # shellcheck disable=SC2086
   DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >&2
 }
 
-# Programs from npm that read our files back, for tests: pinned by tests/readers/package-lock.json, installed in the
-# build folder. Without a network the tests that need them are skipped and say so.
+# Programs from npm that tests use to read our files back: pinned by tests/readers/package-lock.json, installed in the
+# build folder. Without a network the tests that need them are skipped, with a message.
 readers() { # PRESET
   command -v node >/dev/null && command -v npm >/dev/null || need nodejs npm
   folder=build/$1/readers
@@ -87,8 +87,8 @@ readers() { # PRESET
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
-# The browser's pages with their tools from npm, pinned by web/package-lock.json, in the build folder. Without a network
-# the tests that need them are skipped and say so.
+# The browser pages with their tools from npm, pinned by web/package-lock.json, in the build folder. Without a network
+# the tests that need them are skipped, with a message.
 web_tools() { # PRESET
   command -v node >/dev/null && command -v npm >/dev/null || need nodejs npm
   folder=build/$1/web
@@ -101,7 +101,7 @@ web_tools() { # PRESET
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the tools of web/; their tests are skipped" >&2; }
 }
 
-# FASCICLE_CMAKE in the environment holds more arguments for CMake.
+# The environment variable FASCICLE_CMAKE may contain more arguments for CMake.
 build() { # PRESET [CMAKE CACHE ARGUMENTS...]
   preset=$1
   shift
@@ -110,7 +110,7 @@ build() { # PRESET [CMAKE CACHE ARGUMENTS...]
   cmake --build --preset "$preset" >&2
 }
 
-# The date of what is packed is the commit's, so that the same commit gives the same bytes on any day.
+# Packed files get the commit's date, so that the same commit gives the same bytes on any day.
 commit_time() {
   SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
   export SOURCE_DATE_EPOCH
@@ -181,7 +181,7 @@ case $command in
     trap 'rm -rf "$folder"' EXIT
     program=$PWD/build/release/fascicle
     (cd "$folder" && "$program" bake arm -o out/arm && "$program" report out/arm -o arm.html)
-    # Chromium's sandbox is not for root.
+    # Chromium's sandbox does not work as root.
     [ "$(id -u)" -ne 0 ] || set -- --no-sandbox
     chromium --headless --disable-gpu --hide-scrollbars --window-size=1280,1000 --user-data-dir="$folder/chromium" "$@" \
       --screenshot="$PWD/docs/figures/report.png" "file://$folder/arm.html"
@@ -204,8 +204,8 @@ case $command in
     case ${1:-} in stage | format) kind=$1; shift ;; esac
     [ $# -gt 0 ] || { echo "do: touches takes a model array, a scene key, a stage or a format" >&2; exit 2; }
     set -f  # git matches the patterns, also in an older commit
-    # Where a stage is a value of an enumeration, a row, a case or a function, and where a format is; where one uses
-    # what the other has made is not counted. Its own files are.
+    # Counts where a stage or format is declared or handed on: as an enumerator, a table row, a case or a function, and
+    # its own files. Uses of its results are not counted.
     listed() { # PATTERN COMMIT WHERE FILES
       found=$(git grep -nE "$1" "$2" -- $3 | sed "s|^$2:||" |
         grep -vE '^[^:]*:[0-9]+: *(//|#)|_sink\.cpp:[0-9]+:' || true)
@@ -225,8 +225,8 @@ case $command in
         "host python include" "host/formats/$1_sink.cpp host/bake/$1_sink.cpp"
       exit
     fi
-    # Where it is declared, checked, hashed, stored, uploaded and handed on; elsewhere it is computed or used.
-    # In older commits the lanes' files lie in cpu_reference itself.
+    # Files that declare, check, hash, store, upload or hand on an array; others compute or use it. In older commits
+    # the lanes' files are directly in cpu_reference.
     plumbing="host/model host/bake/model_fi* host/bake/identity.cpp host/bake/scene_json.* host/scene/scene* \
 gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
     named() { git grep -hwE "(buffer_)?$1" "$2" -- $3 | grep -vcE '^[^:]*:? *//' || true; }
@@ -246,14 +246,14 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-} -DCMAKE_INSTALL_PREFIX=/usr
     mkdir -p "$out"
-    # In a folder of their own until they are checked: what lies in $out is not theirs.
+    # New packages stay in a separate folder until they are checked, because $out may hold other files.
     new=$(mktemp -d "$out/new.XXXXXX")
     trap 'rm -rf "$new"' EXIT
     packed=0
     commit_time
     (cd build/release && cpack -B "$new") >&2 || packed=$?
     rm -rf "$new/_CPack_Packages"
-    # The tests of installed trees rest on the folders of a local prefix, and the Python module is linked for them.
+    # Tests of installed trees rely on the folders of a local prefix, which the Python module is linked for.
     cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr/local -UCMAKE_INSTALL_LIBDIR >&2
     cmake --build --preset release >&2
     [ "$packed" -eq 0 ] || exit "$packed"
@@ -263,7 +263,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
       dpkg-deb --fsys-tarfile "$deb" | tar -xO "./usr/share/doc/$package/$package.spdx.json" > "${deb%.deb}.spdx.json"
     done && sha256sum -- *.deb *.spdx.json *.zip > SHA256SUMS)
     tests/library/check_packages.sh "$new"
-    # The sums come last: what they name is there.
+    # The checksums come last, so that every file they name exists.
     mv -f "$new"/*.deb "$new"/*.spdx.json "$new"/*.zip "$out"
     mv -f "$new/SHA256SUMS" "$out"
     ;;
@@ -291,7 +291,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     ;;
   lint)
     need $build_packages $test_packages $bench_packages $lint_packages
-    # Source by source, as clang-tidy reads them.
+    # Without unity builds, because clang-tidy reads sources one by one.
     cmake --preset release -B build/lint -DFASCICLE_TESTS=ON -DFASCICLE_BENCH=ON -DCMAKE_UNITY_BUILD=OFF >&2
     exec tests/house/lint.sh build/lint "$@"
     ;;
@@ -336,7 +336,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     ;;
   site)
     need $site_packages
-    # The pages and what they link to, in the folders they have here, so that their links hold as they are.
+    # The pages and what they link to, in the same folders as here, so that their links work unchanged.
     rm -rf build/site-pages
     git ls-files -co --exclude-standard -- '*.md' LICENSE docs ':(exclude,glob)docs/*.py' ':(exclude,glob)docs/*.json' ':!tests' |
       while read -r file; do
@@ -375,7 +375,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     web_tools "$preset"
     readers "$preset"
     build "$preset" -DFASCICLE_TESTS=ON
-    # Of the distribution: Blender, which tests start, finds its Python by the path.
+    # The distribution's Python: Blender, which tests start, finds its Python by PATH.
     exec /usr/bin/python3 -B tests/tested/sanitize.py "$preset" "$@"
     ;;
   coverage)
@@ -395,7 +395,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
     failed=""
-    # One that finds something keeps none of the others from running, and none runs without an end.
+    # A failing step does not stop the others, and none runs without a time limit.
     step() { timeout 24h "$@" || failed="$failed
 do: soak: failed, or took more than 24 hours: $*"; }
     counted() { awk "BEGIN { count = int($1 * ${share}); print count > 0 ? count : 1 }"; }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws docs/figures/contact-bullet.png from what `./do peers --bakes BAKES` left: the bear held in its crouch by
-skinning alone, by Bullet, and by fascicle.
+"""Draws docs/figures/contact-bullet.png from the bakes of `./do peers --bakes BAKES`: the bear held in its crouch, with
+skinning alone, with Bullet, and with fascicle.
 
     python3 bench/contact_picture.py PROGRAM BAKES PICTURE.png
 """

@@ -13,14 +13,14 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs"))
-import drawing  # noqa: E402  (it lies in docs)
+import drawing  # noqa: E402  (it is in docs)
 
 INKS = ["#1b6ca8", "#c0392b", "#2e8b57", "#8e44ad", "#d68910", "#566573", "#117a65", "#a04000"]
 LEFT, TOP, WIDTH, HEIGHT, RIGHT = 70, 50, 640, 360, 230
 
 
 def curves_of(record, threads, integrator, mesh):
-    """Points (vertices, median, least) of each device, by vertices. Peers take part in the explicit ones: they have no other."""
+    """Points (vertices, median, least) of each device, by vertices. Peers appear only for the explicit integrator."""
     curves = {}
     for row in record["results"]:
         is_peer = row["solver"].startswith("bullet")
@@ -34,7 +34,7 @@ def curves_of(record, threads, integrator, mesh):
 
 
 def ticks(low, high, steps=(1, 2, 5)):
-    """Round numbers from below the least to above the largest."""
+    """Round numbers from at most the least to at least the largest value."""
     numbers = [step * 10.0 ** power for power in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1) for step in steps]
     first = max(k for k, n in enumerate(numbers) if n <= low)
     last = min(k for k, n in enumerate(numbers) if n >= high)
@@ -42,7 +42,7 @@ def ticks(low, high, steps=(1, 2, 5)):
 
 
 def spread(places, apart):
-    """The same order of heights, none nearer to the next than `apart`."""
+    """Moves heights so that neighbours are at least `apart` from each other; keeps their order."""
     moved = []
     for place in sorted(places):
         moved.append(max(place, moved[-1] + apart) if moved else place)
@@ -92,7 +92,7 @@ def plot(record, threads, integrator, mesh):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Draw what fascicle bench --json wrote.")
+    parser = argparse.ArgumentParser(description="Plot the results of fascicle bench --json.")
     parser.add_argument("results")
     parser.add_argument("plot")
     parser.add_argument("--threads", type=int, default=1)

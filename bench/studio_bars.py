@@ -22,7 +22,7 @@ TEXT, BINARY, PING, PONG = 1, 2, 9, 10
 
 
 class Page:
-    """What a page is to the server: one WebSocket (RFC 6455)."""
+    """A page as the server sees it: one WebSocket (RFC 6455)."""
 
     def __init__(self, address):
         host, port, token = re.match(r"http://([\d.]+):(\d+)/#([0-9a-f]+)", address).groups()
@@ -52,7 +52,7 @@ class Page:
         return taken
 
     def next(self):
-        """A text as what its JSON says, or a binary message as its bytes."""
+        """A text message as parsed JSON, or a binary message as bytes."""
         content, kind = b"", 0
         while True:
             first, length = self.take(2)
@@ -77,7 +77,7 @@ class Page:
         self.socket.sendall(size + b"\0\0\0\0" + text)  # a mask of zeros
 
     def until(self, wanted):
-        """The first message that is wanted."""
+        """The first message for which `wanted` is true."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
             message = self.next()
@@ -101,7 +101,7 @@ def hash_of(frame):
 
 
 def started(asked, folder):
-    """(the program, its page, seconds to the first frame)"""
+    """(the program, its page, seconds until the first frame)"""
     begin = time.monotonic()
     command = [asked.program, "studio", asked.scene, "--headless", "-o", folder, *asked.options]
     program = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -120,7 +120,7 @@ def memory_of(program):
 
 
 def frames_a_second(page, seconds):
-    """(frames that reached the page, frames that the solver could do) a second."""
+    """(frames that reached the page, frames that the solver could compute) per second."""
     end, count, rates = time.monotonic() + seconds, 0, []
     while time.monotonic() < end:
         frame = page.until(is_frame)
@@ -142,7 +142,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("scene")
-    parser.add_argument("--minutes", type=float, default=0.0, help="of looping, to see whether memory grows")
+    parser.add_argument("--minutes", type=float, default=0.0, help="minutes of looping, to see whether memory grows")
     parser.add_argument("options", nargs="*")
     asked = parser.parse_args()
     rows = []

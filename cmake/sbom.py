@@ -1,15 +1,15 @@
-"""Writes what is in a package, as SPDX 2.3 in JSON: its files with checksums, and the parts of others in it.
+"""Writes the contents of a package as SPDX 2.3 in JSON: its files with checksums, and its third-party parts.
 
     sbom.py --name NAME --version VERSION --in PACKAGE[,PACKAGE...] --source FOLDER --output FILE [--root DIR]
             [--prefix DIR] [--without PART]... [--strict] FILE...
 
-The licences, suppliers and names of the parts are the table of docs/licences.md; their versions are those of Debian's
-packages and of web/package-lock.json. PARTs are those that this build goes without. Only shared libraries are looked
-for in the FILEs: what is linked statically or is headers alone is in the table or nowhere. One that a FILE needs and
-the table lacks, or that no package owns, is an error with --strict; otherwise it is listed without version and
-licence, after a warning. A part from npm that the pages contain and the table lacks is an error. The same files give
-the same bytes: the date is SOURCE_DATE_EPOCH, or the present where that is not set. The names of the files begin at the
-prefix; the root is what stands before both on this machine.
+Licences, suppliers and names of the parts come from the table of docs/licences.md; their versions come from Debian's
+packages and web/package-lock.json. PARTs are parts that this build does not include. Only shared libraries can be
+detected in the FILEs: statically linked and header-only parts are known from the table alone. A shared library that a
+FILE needs and the table lacks, or that no package owns, is an error with --strict; otherwise it is listed without
+version and licence, with a warning. An npm part of the pages that the table lacks is an error. The same files give the
+same bytes: the date is SOURCE_DATE_EPOCH, or the current time if that is not set. File names are relative to the
+prefix; on this machine the prefix is below the root.
 """
 import argparse
 import datetime
@@ -28,7 +28,7 @@ OURS = {"program": "`fascicle` and its library", "library": "`fascicle` and its 
 
 @functools.cache
 def words_of(*command):
-    """What a command prints; nothing where it fails or is not there."""
+    """A command's output; empty if it fails or does not exist."""
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
@@ -36,7 +36,7 @@ def words_of(*command):
 
 
 def table_after(text, heading):
-    """The rows of the table with this heading, as dictionaries."""
+    """The rows of the table whose heading starts like this, as dictionaries."""
     lines = text.splitlines()
     start = next((i for i, line in enumerate(lines) if line.startswith(heading)), None)
     if start is None:
@@ -61,20 +61,20 @@ def debian_source(package):
 
 
 def owner_of(place):
-    """The package of a file; empty where there is none."""
+    """The package that owns a file; empty if none does."""
     for line in words_of("dpkg-query", "-S", str(place)).splitlines():
-        # Diversions stand before the packages.
+        # Diversions are listed before the packages.
         if not re.match(r"(local )?diversion ", line):
             return line.partition(": ")[0].partition(",")[0]
     return ""
 
 
 def linked_sources(file):
-    """The sources, as Debian names them, of the shared libraries that a file needs: by the libraries' names."""
+    """The Debian source packages of the shared libraries that a file needs, by library name."""
     folders = [pathlib.Path(path) for path in re.findall(r"SEARCH_DIR\(\"=?([^\"]*)\"\)", words_of("ld", "--verbose"))]
     found = {}
     for name in re.findall(r"\(NEEDED\).*\[(.*)\]", words_of("readelf", "--dynamic", "--wide", file)):
-        # ld knows the folders; the loader's own name is of the C library.
+        # ld knows the folders, except that of the loader, which belongs to the C library.
         places = [folder / name for folder in [*folders, pathlib.Path("/lib64")] if (folder / name).exists()]
         owner = ""
         for place in dict.fromkeys(path for p in places for path in (p, p.resolve())):
@@ -108,7 +108,7 @@ def file_entries(root, prefix, files):
 
 
 def part_entry(row, npm):
-    """A part of others, and how its packages are named elsewhere."""
+    """The entry of a third-party part, with references to its packages."""
     package = row["package"]
     if package.startswith("npm:"):
         package = package.removeprefix("npm:")
@@ -129,7 +129,7 @@ def part_entry(row, npm):
 
 
 def unknown_entry(library):
-    """A library of which nobody says what part it belongs to."""
+    """The entry of a library that belongs to no known part."""
     return {"SPDXID": identifier("Library", library), "name": library, "versionInfo": "NOASSERTION",
             "supplier": "NOASSERTION", "downloadLocation": "NOASSERTION", "filesAnalyzed": False,
             "licenseConcluded": "NOASSERTION", "licenseDeclared": "NOASSERTION", "copyrightText": "NOASSERTION"}
@@ -156,7 +156,7 @@ def document_of(name, version, inside, source, root, prefix, files, without=(), 
     for entry in entries:
         linked.update(linked_sources(root + prefix + entry["fileName"][1:]))
     sources = {debian_source(row["package"]): row["part"] for row in rows if not row["package"].startswith("npm:")}
-    # Packages that are not installed have none.
+    # Packages that are not installed have no source.
     sources.pop("", None)
     dynamic, unknown = set(), []
     for library, of in linked.items():
@@ -203,7 +203,7 @@ def document_of(name, version, inside, source, root, prefix, files, without=(), 
                 "creationInfo": {"created": when.strftime("%Y-%m-%dT%H:%M:%SZ"),
                                  "creators": ["Organization: fascicle", f"Tool: fascicle-sbom-{version}"]},
                 "packages": [ours, *parts, *unknown], "files": entries, "relationships": relations}
-    # No two that differ have the same name.
+    # Different documents get different names.
     content = sha("sha256", json.dumps(document, sort_keys=True).encode())
     document["documentNamespace"] = f"https://fascicle.invalid/spdx/{name}-{version}-{content[:32]}"
     return document

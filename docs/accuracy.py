@@ -32,7 +32,7 @@ FOOT = "[integrators.md](integrators.md#substeps-and-iterations) says how subste
 
 
 def measured(program, scene, name, clip, options):
-    """A dictionary for the page."""
+    """Returns a dictionary for the page."""
     row = {"scene": scene, "name": name, "clip": clip}
     path = options.get("path", scene)
     try:
@@ -45,7 +45,7 @@ def measured(program, scene, name, clip, options):
 
 
 def cells(row):
-    """A line of the table for each quality."""
+    """A row of the table for each quality."""
     if "failed" in row:
         return [[row["name"], row["clip"], "", "", "", "", "not measured: " + row["failed"]]]
     usual = next(q["solver_seconds"] for q in row["qualities"] if q["quality"] == "normal")
@@ -65,7 +65,7 @@ def text_of(rows):
 
 
 def jobs(assets):
-    """Scene or file, its name, its clip, and how it is run: None for a missing file."""
+    """For each job: scene or file, its name, its clip, and how to run it (None if the file is missing)."""
     for rod in RODS:
         yield rod, rod, "", {"arguments": ["--frames", str(ROD_FRAMES)]}
     for name, file, ends, _, _ in character_sheets.CHARACTERS:

@@ -1,4 +1,4 @@
-"""What `fascicle` makes, as Python reads it: bakes, what `inspect` says, and stills."""
+"""Runs `fascicle` and reads its results: bakes, the output of `inspect`, and stills."""
 import csv
 import json
 import os
@@ -10,13 +10,13 @@ import drawing
 
 
 class Program:
-    """The executable, and the folder that its bakes go to."""
+    """The executable, and the folder for its bakes."""
 
     def __init__(self, path, folder):
         self.path, self.folder = os.path.abspath(path), folder
 
     def run(self, *arguments):
-        """What it wrote. What it says goes on to stderr; a CalledProcessError holds that too."""
+        """Its standard output. Its messages are copied to stderr; a CalledProcessError contains them too."""
         done = subprocess.run([self.path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
         sys.stderr.write(done.stderr.decode(errors="replace"))
         done.check_returncode()
@@ -31,7 +31,7 @@ class Program:
         return json.loads(self.run("inspect", scene, "--json", "-q", *more))
 
     def still(self, what, name, *options):
-        """The rows of one picture, of a bake's frame or a scene's rest."""
+        """The rows of one picture, of a frame of a bake or of a scene at rest."""
         path = os.path.join(self.folder, name + ".png")
         os.makedirs(self.folder, exist_ok=True)
         self.run("render", what, "-o", path, "--overwrite", "-q", *options)
@@ -69,7 +69,7 @@ class Bake:
         return rest, triangles
 
     def positions(self, frame):
-        """The surface of one frame, out of surface.pc2; the last is -1."""
+        """The surface of one frame, from surface.pc2; -1 is the last."""
         with open(os.path.join(self.folder, "surface.pc2"), "rb") as file:
             header = struct.unpack("<12siiffi", file.read(32))
             count, samples = header[2], header[5]
@@ -79,11 +79,11 @@ class Bake:
         return list(struct.iter_unpack("<3f", data))
 
     def size(self, axis):
-        """Of a bar at rest, m."""
+        """The size of a bar at rest, m."""
         return self.manifest["scene"]["geometry"]["bar"]["size"][axis]
 
     def timing(self):
-        """What table 2 tells of a bake; frames include those before frame 0, where they were stepped."""
+        """A bake's numbers for table 2; frames include those stepped before frame 0, if any."""
         m, lead = self.manifest, self.manifest["lead_in"]
         frames = m["frames_done"] + (0 if lead["was_kept"] else lead["preroll_frames"] + lead["settle_frames"])
         return {"vertices": m["model"]["vertices"], "tetrahedra": m["model"]["tetrahedra"], "frames": frames,
@@ -99,7 +99,7 @@ def number_or_text(value):
 
 
 def read_vtu(path):
-    """Arrays by name of the ASCII file that `fascicle inspect --model` writes: a list of rows each."""
+    """The arrays of an ASCII file written by `fascicle inspect --model`, by name, each as a list of rows."""
     arrays, rows = {}, None
     with open(path, encoding="utf-8") as file:
         for line in file:

@@ -7,9 +7,9 @@ import sys
 import tempfile
 
 WINDOW = (1440, 900)
-# Where the add-on's tab stands in it, from below and from the left.
+# The position of the add-on's tab in the window, x from the left and y from the bottom.
 TAB = (1176, 662)
-# The bear lands in this frame, of 24 a second.
+# The bear lands in this frame, at 24 per second.
 FRAME = 43
 SECONDS_AT_MOST = 120
 
@@ -22,7 +22,7 @@ def outside(build, picture):
             environment["BLENDER_USER_" + name] = os.path.join(folder, "user", name.lower())
         subprocess.run(["fascicle", "bake", "jump", "-o", os.path.join(folder, "bear"), "--end", "2.2", "--fps", "24"],
                        check=True, env=environment, stdout=subprocess.DEVNULL)
-        # A file that is opened keeps Blender's splash away.
+        # Opening a file prevents Blender's splash screen.
         addon, start = os.path.join(build, "fascicle-blender.zip"), os.path.join(folder, "bear.blend")
         install = ("import bpy; bpy.ops.preferences.addon_install(filepath=%r); "
                    "bpy.ops.wm.save_as_mainfile(filepath=%r)" % (addon, start))
@@ -81,7 +81,7 @@ def inside(folder, picture):
         space.show_gizmo_navigate = False
         yield 1.0
         window = bpy.context.window_manager.windows[0]
-        # No script can choose a tab; a click can.
+        # A script cannot select a tab; a click can.
         for kind, value in (("MOUSEMOVE", "NOTHING"), ("LEFTMOUSE", "PRESS"), ("LEFTMOUSE", "RELEASE")):
             window.event_simulate(type=kind, value=value, x=TAB[0], y=TAB[1])
             yield 0.3

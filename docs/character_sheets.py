@@ -18,7 +18,7 @@ import bakes
 import figures
 
 WIDE, TALL = ("288x240", "240x200", "192x160"), ("216x288", "180x240", "144x192")
-# Name, file, ends of the clips' names, picture sizes to try, and camera options.
+# Name, file, endings of the clips' names, picture sizes to try, and camera options.
 CHARACTERS = (
     ("Bull", "animals_pack_Bull.glb", ("Gallop_Jump", "Attack_Headbutt"), WIDE, ("--turn", "25")),
     ("Frog", "easy_enemies_Frog.glb", ("Attack", "Jump"), WIDE, ()),
@@ -31,7 +31,7 @@ CHARACTERS = (
     ("RobotExpressive", "RobotExpressive.glb", ("Dance", "Jump"), TALL, ()),
     ("CesiumMan", "CesiumMan.glb", ("",), TALL, ()),
 )
-MOST_BYTES = 250_000  # of a picture
+MOST_BYTES = 250_000  # per picture
 
 HEAD = """# Characters beside their skinning
 
@@ -60,7 +60,7 @@ def clips_of(path):
 
 
 def clip_index(clips, end):
-    """The number of the clip with the shortest name that ends in `end`: files put a prefix before the names."""
+    """The index of the clip with the shortest name that ends in `end`: files add prefixes to the names."""
     fitting = [k for k, name in enumerate(clips) if name.lower().endswith(end.lower())]
     if not fitting:
         raise LookupError(f"has no clip that ends in {end}; it has {', '.join(clips) or 'none'}")
@@ -82,7 +82,7 @@ def message_of(error, assets):
 
 
 def measured(bake):
-    """The numbers of a row; null where the bake has none."""
+    """The numbers of a row; null if the bake has none."""
     most = lambda name: max(bake.column(name)) if name in bake.metrics[0] else None
     lags = [most(name) for name in bake.metrics[0] if name.startswith("lag_")]
     over = sum(value > 1 for value in bake.column("look")) if "look" in bake.metrics[0] else None
@@ -101,7 +101,7 @@ def draw(program, bake, path, sizes, options):
 
 
 def row_of(program, assets, character, end, folder):
-    """Bakes and draws one clip of a character; a dictionary for the page."""
+    """Bakes and draws one clip of a character. Returns a dictionary for the page."""
     name, file, _, sizes, options = character
     row = {"name": name, "file": file, "clip": end}
     try:

@@ -17,7 +17,7 @@ def missing(folder):
 
 
 def biceps_curl(program, assets, folder):
-    """A man's curl with the five-line muscle of the example; below, the same without the muscle; and the volume of both."""
+    """A man's curl with the five-line muscle of the example and, below, without it; and the volume of both."""
     scene = os.path.join(EXAMPLES, "curling-man.toml")
     options = [f"--set=character.file={os.path.abspath(os.path.join(assets, MAN))}", "--clip", "biceps_curl"]
     curl = program.bake(scene, "biceps-curl", options)
@@ -32,7 +32,7 @@ def biceps_curl(program, assets, folder):
             {"man, biceps_curl": curl.timing()})
 
 
-# Frames of the clip (straight, and two on the way), the camera, and the left arm's rectangle in the picture.
+# Frames of the clip (straight, and two while bending), the camera, and the left arm's rectangle in the picture.
 MAN_CURL = (0, 40, 60)
 MAN_VIEW = ("--view", "front", "--turn", "60", "--size", "1400x1400")
 MAN_ARM = (740, 270, 1040, 560)

@@ -1,6 +1,6 @@
 """Pictures with Python's standard library alone: shaded triangles, PNG, and SVG with curves.
 
-Pictures of bars are rasterised here (flat shading, depth buffer) and stand inside the SVG as PNG; curves and words are
+Pictures of bars are rasterised here (flat shading, depth buffer) and embedded in the SVG as PNG; curves and text are
 vectors. Stills of characters come from `fascicle render` and are put side by side.
 """
 import base64
@@ -12,7 +12,7 @@ GRID, PALE = "#e4e4e4", "#f4f4f4"
 
 
 class Canvas:
-    """A depth-buffered picture at twice the size it is shown at."""
+    """A depth-buffered picture at twice its displayed size."""
 
     def __init__(self, width, height):
         self.w, self.h = 2 * width, 2 * height
@@ -42,10 +42,10 @@ class Canvas:
 
 
 def png(rows):
-    """The file of a picture whose rows are RGB bytes."""
+    """Encodes a picture whose rows are RGB bytes."""
     above, packed = bytes(len(rows[0])), b""
     for row in rows:
-        packed += b"\2" + bytes((a - b) & 255 for a, b in zip(row, above))  # 2: less the row above, which packs better
+        packed += b"\2" + bytes((a - b) & 255 for a, b in zip(row, above))  # filter 2: minus the row above, which compresses better
         above = row
     chunk = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", len(rows[0]) // 3, len(rows), 8, 2, 0, 0, 0)) +
@@ -116,7 +116,7 @@ LIGHT = unit((0.3, 0.9, 0.7))
 
 
 def draw(canvas, points, triangles, colors, scale, at):
-    """`at` is the pixel of the world's origin, `scale` pixels a metre."""
+    """`at` is the pixel of the world's origin, `scale` pixels per metre."""
     for t in triangles:
         a, b, c = (points[i] for i in t)
         normal = unit(cross(sub(b, a), sub(c, a)))
@@ -128,7 +128,7 @@ def draw(canvas, points, triangles, colors, scale, at):
 
 
 def banded(rest, base, axis, period):
-    """Two tones in turn along the rest shape, which make the stretch visible."""
+    """Alternating tones along the rest shape, which make stretch visible."""
     def color(t):
         middle = sum(rest[i][axis] for i in t) / 3
         return base if int(middle / period) % 2 == 0 else tuple(0.82 * k for k in base)
@@ -165,7 +165,7 @@ class Plot:
         return self.top + self.h * (self.high - value) / (self.high - self.low)
 
     def grid(self, values, label):
-        """A line and a word for each of the values, and for each half second."""
+        """A line and a label for each of the values, and for each half second."""
         bottom = self.top + self.h
         for k in range(int(2 * self.end) + 1):
             self.body += f'<line x1="{self.x(k / 2)}" x2="{self.x(k / 2)}" y1="{self.top}" y2="{bottom}" stroke="{GRID}"/>\n'

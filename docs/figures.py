@@ -1,5 +1,5 @@
-"""The paper's figures, of our own scenes: each function bakes, measures, and draws into a folder, or only measures where
-that is None. What a scene gives is the same on every machine, so the numbers are too; timings stand apart."""
+"""The paper's figures from our own scenes: each function bakes, measures, and draws into a folder; if that is None, it
+only measures. A scene gives the same result on every machine, so the numbers are reproducible; timings are separate."""
 import math
 import os
 
@@ -19,17 +19,17 @@ def save(folder, name, content):
 
 
 def sunk(bake):
-    """How far a bar's tip has gone down at the end, in lengths of the bar."""
+    """How far a bar's tip has dropped at the end, in lengths of the bar."""
     length = max(bake.size(a) for a in range(3))
     return (bake.place("tip", 0)[1] - bake.place("tip", -1)[1]) / length
 
 
-# Shares of the volume asked of bone, and of bone and muscle.
+# Requested shares of the volume: of bone, and of bone and muscle together.
 SHARES = ((0.1, 0.5), (0.2, 0.4), (0.3, 0.8))
 
 
 def volume_shares(program, scene, more=()):
-    """Of layers that are to fill the innermost shares of a scene's body: what was asked, and what they fill, from the inside."""
+    """Requested and actual shares of the body, from the inside, for layers given by volume_share."""
     table = []
     for bone, muscle in SHARES:
         where = lambda layer, share: f"--set=layers.{layer}.where={{volume_share={{maximum={share}}}}}"
@@ -40,22 +40,22 @@ def volume_shares(program, scene, more=()):
 
 
 def figure_2(program, folder=None):
-    """Three layers: the arm and the bear, their tetrahedra cut open."""
+    """Three layers: the arm and the bear, with their tetrahedra cut open."""
     if folder:
         options = ("--mode", "layers", "--view", "front", "--clip", "z=50%")
         save(folder, "figure-2.png", drawing.png(beside([program.still("arm", "layers-arm", *options, "--size", "560x340"),
                                                         program.still("jump", "layers-jump", *options, "--size", "300x340")])))
-    # The hand follows the skeleton whatever its layers are, unless it is freed; shares are of what is free.
+    # The hand follows the skeleton whatever its layers, unless it is freed; shares count only what is free.
     return {"arm": volume_shares(program, "arm", ['--set=skeleton.simulated=["hand"]'])}, {}
 
 
-# The field through the whole body, which the scenes themselves have in the muscle alone; the bind pose.
+# The field through the whole body (the scenes have it only in muscle), and the bind pose.
 WHOLE_FIELD = ["--set=layers.bone.fibre_field=true", "--set=layers.fat.fibre_field=true"]
 AT_REST = ["--end", "0.02", "--preroll", "0s"]
 
 
 def fibre_angles(model):
-    """Of the arm, whose bones lie along x, in degrees: fibres of the bone layer to the bone, and fibres at the skin to the skin."""
+    """Angles in the arm, degrees: of the bone layer's fibres to the bones (along x), of fibres at the skin to the skin."""
     place, fibre = model["position"], model["fibre"]
     faces = {}
     for a, b, c, d in ([int(v) for v in t] for t in model["connectivity"]):
@@ -69,14 +69,14 @@ def fibre_angles(model):
         for v in face:
             normals[v] = tuple(p + q for p, q in zip(normals[v], n))
     degrees = lambda cosine: math.degrees(math.acos(min(1.0, abs(cosine))))
-    is_along = lambda i: 0.0 < place[i][0] < 0.56  # from the shoulder to the hand: beyond, bones end and skin closes over them
+    is_along = lambda i: 0.0 < place[i][0] < 0.56  # between shoulder and hand: beyond, bones end and skin closes over them
     bone = [degrees(fibre[i][0]) for i in range(len(place)) if model["layer"][i][0] == 2 and is_along(i)]
     skin = [90.0 - degrees(drawing.dot(fibre[i], drawing.unit(n))) for i, n in enumerate(normals) if any(n) and is_along(i)]
     return {"bone": mean_and_most(bone), "skin": mean_and_most(skin)}
 
 
 def mean_and_most(values):
-    """Mean, and what 95 in 100 are below."""
+    """Mean and 95th percentile."""
     return {"mean": sum(values) / len(values), "percentile 95": sorted(values)[int(0.95 * len(values))], "count": len(values)}
 
 
@@ -86,7 +86,7 @@ def figure_3(program, folder=None):
     path = os.path.join(program.folder, "fibres.vtu")
     program.inspect("arm", "--model", path, *WHOLE_FIELD)
     arrays = bakes.read_vtu(path)
-    # "layer" is an array of the tetrahedra too, and comes before that of the vertices.
+    # The tetrahedra have an array "layer" too, before that of the vertices.
     arrays["layer"] = arrays["layer"][-len(arrays["position"]):]
     if folder:
         arm, bear = (program.bake(scene, f"fibres-{scene}", [*WHOLE_FIELD, *AT_REST]).folder for scene in ("arm", "jump"))
@@ -132,7 +132,7 @@ def figure_7(program, folder=None):
     return {"drop": drops}, {f"beta {beta}": bake.timing() for beta, bake in baked.items()}
 
 
-# Figure 8's bars by the row of table 1 that they stand for, with the ink of their curves.
+# Figure 8's bars by their row of table 1, with the colour of their curves.
 BARS = {"iwamoto": ("Iwamoto et al.: beta 0, 0", "#888888"), "i": ("(i): beta 1, 0.3", "#3465a4"),
         "ii": ("(ii): other muscle fibres", "#4e9a06"), "iii": ("(iii): beta 1, 1", "#cc0000")}
 
@@ -149,7 +149,7 @@ def layers_of(bake):
 
 
 def figure_8(program, folder=None):
-    """Bars of muscle, at the wall, and fat, let go; table 1."""
+    """Bars of muscle, at the wall, and fat, released; table 1."""
     baked = {name: program.bake(f"bar-layers-{name}") for name in BARS}
     length = baked["i"].size(0)
     if folder:
@@ -193,12 +193,12 @@ def draw_figure_8(baked, length, folder):
 
 # Seconds of the jump: stand, crouch, take-off, apex, the belly's lowest after landing, on the way up.
 JUMP = (0.0, 0.85, 1.13, 1.38, 1.8, 2.1)
-# All of the body follows the skeleton.
+# The whole body follows the skeleton.
 SKINNING_ALONE = ["--set=layers.bone.where={bone_distance={maximum=10}}"]
 
 
 def figure_9(program, folder=None):
-    """Stills of the bear's jump; below, skinning alone; below, how far the flesh is from that."""
+    """Stills of the bear's jump; below, skinning alone; below that, the distance between the two."""
     jump = program.bake("jump")
     if folder:
         frames = [round(time * jump.manifest["scene"]["fps"]) for time in JUMP]
@@ -216,7 +216,7 @@ def figure_9(program, folder=None):
 
 # A frame in which the bear is held in its deepest crouch.
 CROUCH = 120
-# Where it is in a picture of 1000 by 1000.
+# Its rectangle in a picture of 1000 by 1000.
 CROUCHED = (250, 380, 730, 960)
 
 
@@ -239,13 +239,13 @@ def volumes(bake):
 
 
 def mean_difference(one, other):
-    """Of two bakes' volumes, over their frames."""
+    """The mean difference of two bakes' volumes over their frames."""
     pairs = list(zip(one.column("volume"), other.column("volume")))
     return sum(abs(a / b - 1) for a, b in pairs) / len(pairs)
 
 
 def draw_volumes(curves, title, step, folder, name):
-    """`curves`: label, ink and bake; a line for every `step` of the volume at rest."""
+    """`curves`: label, colour and bake; a grid line for every `step` of the volume at rest."""
     curves = [(label, ink, volumes(bake)) for label, ink, bake in curves]
     values = [v for _, _, curve in curves for _, v in curve]
     low, high = math.floor(min(values) / step) * step, math.ceil(max(values) / step) * step
@@ -258,12 +258,12 @@ def draw_volumes(curves, title, step, folder, name):
     save(folder, name, drawing.svg(960, 260, plot.body))
 
 
-# Frames of the arm's curl: straight, on the way, and folded to 160 degrees.
+# Frames of the arm's curl: straight, bending, and folded to 160 degrees.
 CURL = (0, 60, 75, 90, 115)
 
 
 def figure_10(program, folder=None):
-    """Stills of the curl with muscles; below, the same without; and the volume of both over the bend."""
+    """Stills of the curl with muscles and, below, without; and the volume of both over the bend."""
     arm = program.bake("arm")
     silent = program.bake("arm", "arm-without", [f"--set=muscle.{name}.gain=0" for name in ("biceps", "triceps")])
     unfibred = program.bake("arm", "arm-beta-0", ["--set=layers.muscle.beta=0"])
@@ -278,7 +278,7 @@ def figure_10(program, folder=None):
 
 
 def lag(program, scene, folder=None, figure="lag", more=()):
-    """How far each layer is behind the skeleton; the clip's last pose is held for as long as the flesh may take to settle."""
+    """How far each layer lags behind the skeleton; the clip's last pose is held until the flesh can settle."""
     hold = 1.5
     bake = program.bake(scene, figure, ["--hold", str(hold), *more])
     end = bake.metrics[-1]["time"]

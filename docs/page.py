@@ -6,7 +6,7 @@ COLUMNS = 120
 
 
 def wrapped(text):
-    """Paragraphs of at most COLUMNS columns; tables, headings and pictures stay on their lines."""
+    """Wraps paragraphs at COLUMNS columns; tables, headings and pictures keep their lines."""
     lines = []
     for line in text.split("\n"):
         whole = len(line) <= COLUMNS or line.startswith(("|", "#", "!"))

@@ -46,7 +46,7 @@ def write(docs, record):
 def make(program, assets, docs):
     with tempfile.TemporaryDirectory(dir=docs) as pictures:
         record = measure(program, assets, docs, pictures)
-        # All or nothing: pictures of this run beside numbers of another would match no program.
+        # All or nothing: pictures of this run with numbers of another would match no version of the program.
         os.makedirs(os.path.join(docs, "figures"), exist_ok=True)
         for name in sorted(os.listdir(pictures)):
             os.replace(os.path.join(pictures, name), os.path.join(docs, "figures", name))
