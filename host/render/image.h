@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 // Red, green, blue, 0 to 255, encoded as sRGB.
 struct Image {
   unsigned width = 0, height = 0;
-  std::vector<std::uint8_t> pixels;  // 3 a pixel, rows from the top
+  std::vector<std::uint8_t> pixels;  // 3 per pixel, rows from the top
 
   Image() = default;
   Image(unsigned w, unsigned h) : width(w), height(h), pixels(std::size_t{3} * w * h) {}
