@@ -1,4 +1,4 @@
-// Files that appear whole, and never through a link.
+// Files that appear complete or not at all, and are never written through a link.
 #include "host/base/file.h"
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using base::File;
 using base::FileMode;
 
-// A file that belongs to somebody else, and a link to it where an output grows.
+// Another user's file, with a link to it at the output's path.
 class FileBesideLinks : public testing::Test {
  protected:
   void SetUp() override {
@@ -50,14 +50,14 @@ TEST_F(FileBesideLinks, ReplaceTakesTheLinksPlace) {
   EXPECT_EQ(victim(), "precious");
   EXPECT_EQ(text_of(path), "mine");
   EXPECT_TRUE(is_plain(path));
-  // One that leads nowhere is none either.
+  // A dangling link is replaced too.
   fs::create_symlink(folder_ / "nowhere", folder_ / "lost");
   File(folder_ / "lost", FileMode::replace).write("mine");
   EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
   EXPECT_TRUE(is_plain(folder_ / "lost"));
 }
 
-// A file may have a further name, which is no link: what stands there is not written into either.
+// A hard link is not a symbolic link, but the other name's content must survive as well.
 TEST_F(FileBesideLinks, ReplaceLeavesAFilesOtherName) {
   fs::create_hard_link(folder_ / "victim", folder_ / "out");
   File(folder_ / "out", FileMode::replace).write("mine");

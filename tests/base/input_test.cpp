@@ -1,4 +1,4 @@
-// What is read as an input: regular files, up to a size, and nothing that has to be waited for.
+// What is accepted as input: regular files up to a size limit, and nothing that could block.
 #include <filesystem>
 #include <fstream>
 #include <string>

@@ -20,7 +20,7 @@ TEST(JsonText, AsDeepAsOurOwnStaysAsItIs) {
 
 TEST(JsonText, DeeperIsNoJson) {
   for (const std::size_t levels : {65UL, 1000000UL}) EXPECT_TRUE(base::shallow_json(nested(levels)).empty());
-  // Brackets of different kinds, and after what looks like the end of a text.
+  // Mixed brackets, and a quoted quote that looks like the end of a string.
   std::string mixed;
   for (int k = 0; k < 40; ++k) mixed += "{\"\\\"\":[";
   EXPECT_TRUE(base::shallow_json(mixed).empty());
@@ -28,7 +28,7 @@ TEST(JsonText, DeeperIsNoJson) {
       nlohmann::ordered_json::parse(base::shallow_json(nested(1000000)), nullptr, false).is_discarded());
 }
 
-// The control: what is one after the other is not deep.
+// The control: a long flat array is not deep.
 TEST(JsonText, LongIsNotDeep) {
   std::string text = "[";
   for (int k = 0; k < 100000; ++k) text += "[1],";

@@ -1,4 +1,4 @@
-// Hints for mistyped names: a slip is told from another word.
+// Hints for mistyped names: a typo is told apart from a different word.
 #include "host/base/nearest_name.h"
 
 #include <string>
@@ -14,12 +14,12 @@ const std::vector<std::string> keys{"file", "made", "paint", "clip", "resolution
 TEST(NearestName, KnowsSlips) {
   EXPECT_EQ(base::nearest_name("piant", keys), "paint");
   EXPECT_EQ(base::nearest_name("pain", keys), "paint");
-  EXPECT_EQ(base::nearest_name("ta", keys), "at") << "one slip is near however short the name is";
+  EXPECT_EQ(base::nearest_name("ta", keys), "at") << "one typo is near, however short the name";
   EXPECT_EQ(base::nearest_name("att", keys), "at");
   EXPECT_EQ(base::nearest_name("resulition", keys), "resolution");
 }
 
-// Two letters of five are another word: "joint" means no "paint".
+// Two changed letters of five make a different word: "joint" is not a typo of "paint".
 TEST(NearestName, LeavesOtherWordsAlone) {
   EXPECT_EQ(base::nearest_name("joint", keys), "");
   EXPECT_EQ(base::nearest_name("tile_b", keys), "");

@@ -1,5 +1,5 @@
-// Work on several threads: every piece once, the first failure comes out, and fewer threads where the system
-// grants no more.
+// Work on several threads: every item is processed once, the first exception propagates, and fewer threads do
+// if the system refuses more.
 #include "host/base/parallel.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace fascicle::tests {
 namespace {
 
-// Whether each piece is worked on once, by workers with numbers below `most`.
+// Whether each item is processed exactly once, by workers with numbers below `most`.
 bool takes_each_once(std::size_t count, std::size_t most) {
   std::vector<std::atomic<int>> taken(count);
   std::atomic<bool> is_below = true;
@@ -48,17 +48,17 @@ TEST(ForEachInParallel, ThrowsWhatAPieceThrew) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
 TEST(ForEachInParallel, GoesOnWithTheThreadsThatWereGranted) {
-  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot live with a limit on its address space";
+  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot run with a limit on its address space";
 }
 
 #else
 
-// In a process of its own, as the limit would hold for the rest of the tests. A limit on memory, because root
-// is free of that on processes. Leaves with 0 if all is well.
+// Runs in its own process, as the limit would affect all later tests. It limits memory because root is exempt
+// from limits on processes. Exits with 0 on success.
 [[noreturn]] void work_under_a_limit() {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
-  // A thread's stack takes 2 MiB or more, so that 200 MiB hold some threads and not 1,000.
+  // A thread's stack takes 2 MiB or more, so 200 MiB hold some threads but not 1,000.
   const rlim_t limit = pages * 4096 + (rlim_t{200} << 20);
   const rlimit space{limit, limit};
   setrlimit(RLIMIT_AS, &space);
@@ -77,7 +77,7 @@ TEST(ForEachInParallel, GoesOnWithTheThreadsThatWereGranted) {
     ends.notify_all();
   }
   if (!is_refused) std::_Exit(2);
-  // Pieces that sleep, so that the first threads do not end before the last are asked for.
+  // Items sleep, so that the first threads are still running when the last are requested.
   std::atomic<int> taken = 0;
   base::for_each_in_parallel(1000, 1000, [&](std::size_t, std::size_t) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -1,4 +1,4 @@
-// A helper's file appears whole or not at all, however the helper ends.
+// A helper's output file appears complete or not at all, however the helper ends.
 #include "host/base/pending_output.h"
 
 #include <chrono>
@@ -29,7 +29,7 @@ class PendingOutputTest : public testing::Test {
     return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator());
   }
 
-  // A child that has one, and is sent a signal: the signal that ended it.
+  // Starts a child that opens a pending output and raises `number`. Returns the signal that ended it.
   int ended_by(int number, bool is_in_sandbox) {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -43,7 +43,8 @@ class PendingOutputTest : public testing::Test {
     }
     int status = 0;
     EXPECT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFSIGNALED(status)) << number << ": ended with " << WEXITSTATUS(status);
+    EXPECT_TRUE(WIFSIGNALED(status)) << number << ": not ended by a signal; exit status "
+                                     << WEXITSTATUS(status);
     return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   }
 
@@ -85,13 +86,14 @@ TEST_F(PendingOutputTest, ASignalLeavesNothingAndEndsTheHelper) {
     }
 }
 
-// SIGKILL is heard by nobody: the next helper removes what is an hour old, and nothing else.
+// SIGKILL cannot be caught. The next helper removes leftovers that are more than an hour old, and nothing
+// else.
 TEST_F(PendingOutputTest, WhatAKilledOneLeftGoesWithTheNext) {
   EXPECT_EQ(ended_by(SIGKILL, false), SIGKILL);
-  ASSERT_EQ(files(), 1) << "the control: it leaves its part";
+  ASSERT_EQ(files(), 1) << "the control: a killed helper leaves its part";
   const fs::path left = fs::directory_iterator(folder_.path())->path();
   base::PendingOutput((*this)("out")).finish("whole");
-  EXPECT_TRUE(fs::exists(left)) << "it may still be written";
+  EXPECT_TRUE(fs::exists(left)) << "its owner may still be writing it";
   const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(2);
   for (const char* name : {"out.part-", "out.part-12a", "other.part-12"}) {
     std::ofstream((*this)(name)) << "a user's";
@@ -104,7 +106,7 @@ TEST_F(PendingOutputTest, WhatAKilledOneLeftGoesWithTheNext) {
     EXPECT_TRUE(fs::exists((*this)(name))) << name;
 }
 
-// Afterwards signals do what they did before.
+// Afterwards the previous signal handlers are back.
 TEST_F(PendingOutputTest, ListensOnlyWhileItIsThere) {
   struct sigaction during {
   }, after{};

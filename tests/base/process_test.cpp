@@ -1,4 +1,4 @@
-// Programs that are run under limits, also where the process that runs them does not keep its children.
+// Programs that run under limits, even if SIGCHLD is not at its default in the process that starts them.
 #include "host/base/process.h"
 
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 using base::ProcessEnd;
 using base::run_process;
 
-// How the process hears of children; as before when it goes.
+// Sets the disposition of SIGCHLD; restores it on destruction.
 class ChildSignal {
  public:
   ChildSignal(void (*handler)(int), int flags) {
@@ -61,19 +61,18 @@ TEST(Process, EndsAtOnceWhereItIsCancelled) {
   const auto result =
       run_process("/bin/sleep", {"60"}, {.seconds = 60.0, .is_cancelled = [&] { return ++asked > 5; }});
   EXPECT_EQ(result.end, ProcessEnd::cancelled);
-  EXPECT_EQ(asked, 6) << "it is not asked again";
-  // It is asked every 20 ms; the rest is a busy machine's.
+  EXPECT_EQ(asked, 6) << "is_cancelled was called again after it returned true";
+  // It polls every 20 ms; the rest is slack for a busy machine.
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
-  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
-  // The control: who is asked and wishes to go on changes nothing.
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child was not reaped";
+  // The control: is_cancelled returning false changes nothing.
   const auto whole =
       run_process("/bin/sh", {"-c", "exit 3"}, {.seconds = 5.0, .is_cancelled = [] { return false; }});
   EXPECT_EQ(whole.end, ProcessEnd::exited);
   EXPECT_EQ(whole.code, 3);
 }
 
-// The kernel reaps such children itself, and how they ended is lost.
-// R, S and so on; Z and nothing where it is over.
+// The process state: R, S and so on. Z for a zombie or if the process is gone.
 char state_of(pid_t process) {
   std::ifstream in("/proc/" + std::to_string(process) + "/stat");
   std::string line;
@@ -96,7 +95,7 @@ TEST(Process, DoesNotOutliveWhoeverStartedIt) {
   EXPECT_NE(state_of(child), 'Z');
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  // Ten minutes would pass before it ended by itself.
+  // By itself it would run for ten minutes.
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (state_of(child) != 'Z' && std::chrono::steady_clock::now() < end) ::usleep(1000);
   EXPECT_EQ(state_of(child), 'Z');
@@ -105,12 +104,13 @@ TEST(Process, DoesNotOutliveWhoeverStartedIt) {
   ::close(pipe[1]);
 }
 
+// The kernel then reaps children itself, and their exit status is lost.
 TEST(Process, SaysWhereOthersReapItsChildren) {
   for (const bool ignored : {true, false}) {
     const ChildSignal lost(ignored ? SIG_IGN : SIG_DFL, ignored ? 0 : SA_NOCLDWAIT);
     EXPECT_NE(refusal().find("must leave SIGCHLD at its default"), std::string::npos) << refusal();
     EXPECT_THROW(run_process("/no/such/program", {}, {.seconds = 5.0}), std::system_error);
-    // What does not depend on it is told as ever.
+    // A result that does not need the exit status is reported as usual.
     EXPECT_EQ(run_process("/bin/sleep", {"60"}, {.seconds = 0.1}).end, ProcessEnd::stalled);
   }
 }

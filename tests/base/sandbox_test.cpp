@@ -1,4 +1,4 @@
-// What a helper can still do in the sandbox, beside the same attempts without it.
+// What a helper can still do in the sandbox, compared with the same attempts outside.
 #include "host/base/sandbox.h"
 
 #include <array>
@@ -33,7 +33,8 @@ namespace fs = std::filesystem;
 
 enum class By { nothing, landlock, seccomp };
 
-// Landlock says EACCES, or EXDEV of a name in another folder; the filter of calls says EPERM.
+// Landlock fails with EACCES, or with EXDEV for a name in another folder; the seccomp filter fails with
+// EPERM.
 By refuser_of(int error) {
   return error == EACCES || error == EXDEV ? By::landlock : error == EPERM ? By::seccomp : By::nothing;
 }
@@ -72,12 +73,12 @@ bool maps(int protection, int later) {
   return is_changed;
 }
 
-// As F_SETSIG and O_ASYNC then do of a pipe: its owner is signalled by whoever writes.
+// With F_SETSIG and O_ASYNC this would let any writer to the pipe signal its owner.
 bool has_signalled(int descriptor, pid_t process) {
   return ::fcntl(descriptor, F_SETOWN, process) == 0;
 }
 
-// What every library may do with its own files.
+// Any library may do this with its own files.
 bool copies(int descriptor) {
   const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
   if (copy < 0) return false;
@@ -143,7 +144,7 @@ class Sandbox : public ::testing::Test {
         {"makes a link", By::seccomp, [=] { return ::symlink("input", at("work/link").c_str()) == 0; }},
         {"makes a folder", By::seccomp, [=] { return ::mkdir(at("work/folder").c_str(), 0700) == 0; }},
         {"reads a process's memory", By::seccomp, peeks},
-        // The last: where it succeeds nothing comes after it.
+        // Must be the last: if it succeeds, the process is replaced.
         {"becomes another program", By::seccomp,
          [] {
            ::execl("/bin/sh", "sh", "-c", "printf 1 >&3", nullptr);
@@ -162,7 +163,7 @@ class Sandbox : public ::testing::Test {
     }
   }
 
-  // A letter for each of attempts(), as a child of this process reports it: 1, or who refused it.
+  // One character for each of attempts(), reported by a child process: 1 for success, or who refused it.
   std::string outcome(bool is_in_sandbox) {
     std::array<int, 2> ends{};
     EXPECT_EQ(::pipe(ends.data()), 0);
@@ -193,7 +194,7 @@ class Sandbox : public ::testing::Test {
   }
 
   static constexpr int report = 3;
-  std::optional<base::PendingOutput> output_;  // a child's
+  std::optional<base::PendingOutput> output_;  // the child's
   base::TemporaryFolder folder_;
 };
 
@@ -201,7 +202,8 @@ TEST_F(Sandbox, LeavesWhatAHelperNeedsAndNothingElse) {
   const std::string kernel = base::sandbox_words();
   const bool has_landlock = kernel.find("Landlock") != std::string::npos;
   const bool has_seccomp = kernel.find("seccomp") != std::string::npos;
-  if (!has_landlock && !has_seccomp) GTEST_SKIP() << "SKIPPED LOUDLY: this kernel has no sandbox";
+  if (!has_landlock && !has_seccomp)
+    GTEST_SKIP() << "SKIPPED LOUDLY: this kernel has neither Landlock nor seccomp";
   if (!has_landlock || !has_seccomp)
     std::printf("TESTED IN PART: this kernel has no whole sandbox, but %s\n", kernel.c_str());
   const std::string inside = outcome(true);
@@ -221,7 +223,7 @@ TEST_F(Sandbox, LeavesWhatAHelperNeedsAndNothingElse) {
   }
 }
 
-// abort() must end it: a helper that is lost says so by its signal.
+// abort() must still work: the parent recognises a crash by its signal.
 TEST_F(Sandbox, LetsAProgramEndItself) {
   const pid_t child = ::fork();
   if (child == 0) {

@@ -1,4 +1,4 @@
-// Text from files as a terminal may show it.
+// Text from files, made safe to print on a terminal.
 #include "host/base/text.h"
 
 #include <string>
@@ -21,7 +21,7 @@ TEST(ShownText, EscapesWhatATerminalObeys) {
   EXPECT_EQ(shown_text("two\nlines\r\tand a bell\x07"), "two\\nlines\\r\\tand a bell\\x07");
   EXPECT_EQ(shown_text(std::string("nul\0", 4)), "nul\\x00");
   EXPECT_EQ(shown_text("\x7f"), "\\u007f");
-  // CSI and NEL of the upper controls; line and paragraph separators.
+  // CSI and NEL from the C1 controls; line and paragraph separators.
   EXPECT_EQ(shown_text("\u009b31m\u0085\u2028\u2029"), "\\u009b31m\\u0085\\u2028\\u2029");
 }
 
@@ -37,7 +37,7 @@ TEST(ShownText, EscapesWhatIsNoUtf8) {
   EXPECT_EQ(shown_text("\xff"), "\\xff");
   EXPECT_EQ(shown_text("\xc3"), "\\xc3");
   EXPECT_EQ(shown_text("\xc3("), "\\xc3(");
-  // Too long forms of / and U+0000, a half of a pair of UTF-16, and beyond the last code point.
+  // Overlong encodings of / and U+0000, a UTF-16 surrogate, and a value beyond the last code point.
   EXPECT_EQ(shown_text("\xc0\xaf"), "\\xc0\\xaf");
   EXPECT_EQ(shown_text("\xe0\x80\x80"), "\\xe0\\x80\\x80");
   EXPECT_EQ(shown_text("\xf0\x80\x80\x80"), "\\xf0\\x80\\x80\\x80");

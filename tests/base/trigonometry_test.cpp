@@ -15,7 +15,7 @@ using base::exact_cos;
 using base::exact_exp;
 using base::exact_sin;
 
-// What the header promises; the references are long double, 11 bits finer.
+// The header's promise. References are long double, 11 bits more precise.
 constexpr double promised = 1e-15;
 
 double relative_error(double value, long double truth) {
@@ -37,8 +37,8 @@ TEST(Trigonometry, sine_and_cosine_of_any_angle) {
   EXPECT_LT(worst, promised);
 }
 
-// Nearest to a multiple of pi/2 one of the two is as good as all cancellation: what is left are digits of pi
-// beyond double.
+// Next to multiples of pi/2, cancellation in one of the two is nearly total: the result consists of digits of
+// pi beyond double precision.
 TEST(Trigonometry, sine_and_cosine_beside_the_multiples_of_a_quarter_turn) {
   double worst = 0.0;
   const long double quarter = std::acos(0.0L);
@@ -90,7 +90,7 @@ TEST(Trigonometry, exponential) {
   EXPECT_EQ(exact_exp(-1e300), 0.0);
   EXPECT_EQ(exact_exp(1e300), std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isfinite(exact_exp(709.7)));
-  // Below the normal numbers one unit in the last place is all the accuracy there is.
+  // Below the normal numbers, accuracy is limited to one unit in the last place.
   const double subnormal = exact_exp(-740.0), truth = static_cast<double>(std::exp(-740.0L));
   EXPECT_LE(std::abs(subnormal - truth), std::numeric_limits<double>::denorm_min());
 }

@@ -1,4 +1,4 @@
-// Every reader against small files written by hand: what they mean, and how broken ones are refused.
+// Every reader, on small hand-written files: what they contain, and how broken ones are refused.
 #include "host/mesh/mesh_file.h"
 
 #include <bit>
@@ -45,7 +45,7 @@ class MeshFile : public ::testing::Test {
     return mesh::read_tet_mesh(write(name, content));
   }
 
-  // The message of the refusal, without the folder.
+  // The error message, without the folder.
   std::string refusal(const std::string& name, const std::string& content) const {
     return refusal(write(name, content));
   }
@@ -75,7 +75,7 @@ void expect_two_tets(const TetMesh& mesh) {
   EXPECT_EQ(mesh.tetrahedra, tetrahedra);
 }
 
-// A pyramid over a unit square, the square as two triangles around its first corner.
+// A pyramid over a unit square; the square is split into two triangles.
 void expect_pyramid(const SurfaceMesh& mesh) {
   const std::vector<Vector3d> vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0.75}};
   EXPECT_EQ(mesh.vertices, vertices);
@@ -160,7 +160,7 @@ std::string binary_stl() {
   for (const auto& t : std::vector<std::array<std::size_t, 3>>{{0, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}}) {
     for (int k = 0; k < 3; ++k) append_bytes(bytes, std::numeric_limits<float>::quiet_NaN());
     for (const std::size_t v : t) {
-      // -0 and +0 are one place and must weld.
+      // -0 and +0 are the same position and must be welded.
       for (const float c : pyramid_points[v]) append_bytes(bytes, c == 0.0F && t[1] == 2 ? -0.0F : c);
     }
     append_bytes(bytes, std::uint16_t{0});
@@ -225,7 +225,7 @@ TEST_F(MeshFile, OffKeepsEveryBit) {
   while (mesh.vertices.size() < 1000) {
     Vector3d point;
     for (int axis = 0; axis < 3; ++axis) {
-      // Any bits that are a finite number: denormals and -0 too.
+      // Random bits of any finite number, including denormals and -0.
       double value = std::bit_cast<double>(random());
       while (!(value - value == 0.0)) value = std::bit_cast<double>(random());
       point[axis] = value;
@@ -254,7 +254,7 @@ TEST_F(MeshFile, OffIsWrittenWholeOrNotAtAll) {
   EXPECT_THROW(mesh::write_off(folder_ / "taken.off", mesh), std::system_error);
   std::size_t entries = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_)) ++entries;
-  EXPECT_EQ(entries, 1U) << "a temporary file was left";
+  EXPECT_EQ(entries, 1U) << "a temporary file was left behind";
 }
 
 TEST_F(MeshFile, RefusalsNameFileAndLine) {
@@ -360,7 +360,7 @@ TEST_F(MeshFile, RefusesWhatIsNoFileOfAMesh) {
   EXPECT_REFUSED(refusal(folder_ / "a.txt"), "not a surface by its name");
   fs::create_directory(folder_ / "folder.off");
   EXPECT_REFUSED(refusal(folder_ / "folder.off"), "is not a regular file");
-  // A hole of 3 GiB takes no space on the disk and must take none in memory.
+  // A 3 GiB sparse file takes no disk space and must not take any memory.
   fs::resize_file(write("huge.stl", ""), std::uintmax_t{3} << 30);
   EXPECT_REFUSED(refusal(folder_ / "huge.stl"), "more than the");
   for (const char* extension : {"off", "obj", "ply", "stl", "mesh", "msh", "vtu"}) {
@@ -369,8 +369,8 @@ TEST_F(MeshFile, RefusesWhatIsNoFileOfAMesh) {
   }
 }
 
-// Every cut, and thousands of random changes, of every valid file: a SceneError or a mesh that keeps its
-// promises. Run with the sanitizers, this also shows that nothing is read out of bounds.
+// Truncations at every third byte and thousands of random changes of every valid file give a SceneError or a
+// mesh that keeps its promises. With sanitizers this also shows that nothing is read out of bounds.
 TEST_F(MeshFile, SurvivesDamage) {
   const std::vector<std::pair<std::string, std::string>> files = {
       {"a.mesh", medit_text},      {"a.msh", gmsh_text},   {"a.vtu", vtu_text},
@@ -435,7 +435,7 @@ TEST_F(MeshFile, SurvivesDamage) {
       attempt(name, damaged);
     }
   }
-  // Both must happen often, or the damage is of the wrong kind.
+  // Both outcomes must be common, or the damage is of the wrong kind.
   EXPECT_GT(read, 100U);
   EXPECT_GT(refused, 1000U);
 }

@@ -1,4 +1,5 @@
-// The table of a model's members: complete, in the order of the struct, and what follows from it.
+// The table of a model's members is complete and in the struct's order, and the checks that follow from it
+// work.
 #include "host/model/model_arrays.h"
 
 #include <cstddef>
@@ -17,8 +18,8 @@ namespace {
 
 using model::Model;
 
-// What the compiler is asked of Model, asked of a struct with rows for all members, and with one forgotten at
-// the beginning, in the middle, and at the end.
+// The compile-time check of Model, applied to a struct with rows for all members and with one row missing at
+// the beginning, in the middle and at the end.
 struct Three {
   bool first = false;
   bool second = false;
@@ -36,7 +37,7 @@ static_assert(!base::has_row_for_each_member<Three, decltype(none_for_the_second
 static_assert(base::has_distinct_names(all_three) && !base::has_distinct_names(two_alike));
 static_assert(base::row_of(all_three, &Three::array) == 2 && base::row_of(two_alike, &Three::array) == 2);
 
-// With as many rows as members, this leaves no member out and takes none twice.
+// As there are as many rows as members, strictly ascending offsets mean that none is missing or repeated.
 TEST(ModelArrays, RowsAreInTheOrderOfTheStruct) {
   const Model m;
   std::ptrdiff_t before = -1;
@@ -48,7 +49,7 @@ TEST(ModelArrays, RowsAreInTheOrderOfTheStruct) {
   });
 }
 
-// Each array that has an entry too many, of a model with ties, limits, contact and colliders, is found.
+// In a model with ties, limits, contact and colliders, one entry too many is detected in each array.
 TEST(ModelArrays, EveryArraysSizeIsChecked) {
   Model good = make_implicit(make_model(kuhn_bar(3, 2, 2, 0.25)), 1e4);
   add_sliding(good, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
@@ -66,7 +67,7 @@ TEST(ModelArrays, EveryArraysSizeIsChecked) {
       ++checked;
       try {
         model::check_model(changed);
-        ADD_FAILURE() << row.name << " has an entry too many, and nobody minds";
+        ADD_FAILURE() << row.name << " has an entry too many, and check_model accepts it";
       } catch (const std::invalid_argument&) {
       }
     }

@@ -1,4 +1,4 @@
-// check_model finds every broken promise; validation finds a planted difference and names its place.
+// check_model finds every broken promise; validation finds a planted difference and locates it.
 #include "host/model/model.h"
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(Factor, BelowTheLeastIsZero) {
   }
 }
 
-// Its upper half slides.
+// The upper half slides.
 Model& tie_down(Model& model) {
   add_sliding(model, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
   return model;
@@ -55,7 +55,7 @@ Model& limited(Model& model) {
   return model;
 }
 
-// Its first point has two vertices across a gap.
+// The first point has two vertices across a gap.
 Model& touching(Model& model) {
   add_contact(model, 0.1, depth_below_boundary(model));
   add_gap(model, 0, {3, 5}, 0.25f);
@@ -72,7 +72,7 @@ TEST(CheckModel, AcceptsContact) {
   EXPECT_NO_THROW(check_model(without_contact(model)));
 }
 
-// Its arrays, and by hand the numbers of its fields: of points, vertices, leaves, branches and tetrahedra.
+// The arrays, and the sizes of the fields written by hand, per point, vertex, leaf, branch and tetrahedron.
 TEST(SolverBytes, CountContact) {
   Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
   const std::uint64_t without = solver_bytes(touching(model)) - solver_bytes(without_contact(model));
@@ -153,7 +153,7 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient[0] *= -1.0f; }},
       {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient.back() = 1e-42f; }},
       {"tie_index", [](Model& m) { m.tie_index.push_back(0); }},
-      {"limit", [](Model& m) { add_limits(m, 0.3); }},  // of an explicit model
+      {"limit", [](Model& m) { add_limits(m, 0.3); }},  // on an explicit model
       {"limit_offset", [](Model& m) { limited(m).limit_offset.pop_back(); }},
       {"limit_entry", [](Model& m) { ++limited(m).limit_entry[0]; }},
       {"limit_entry", [](Model& m) { m.limit_entry.push_back(0); }},
@@ -229,7 +229,7 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"contact_number",
        [](Model& m) {
          touching(m);
-         // Vertices inside have no point, and none is free for one of them.
+         // Interior vertices have no contact point, and no point's number is free for them.
          for (std::uint32_t& number : m.contact_number)
            if (number == shader::no_contact) number = 0;
        }},
@@ -263,7 +263,7 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"contact_rest_box",
        [](Model& m) { touching(m).contact_rest_box[2] = std::numeric_limits<float>::quiet_NaN(); }},
       {"spared", [](Model& m) { m.collider_count = 1; }},
-      {"spared", [](Model& m) { m.spared.assign(m.vertex_count, 0); }},  // of no solid
+      {"spared", [](Model& m) { m.spared.assign(m.vertex_count, 0); }},  // without colliders
       {"spared",
        [](Model& m) {
          m.collider_count = 2;
@@ -302,7 +302,7 @@ TEST(UlpDistance, CountsRepresentableFloats) {
             std::numeric_limits<std::uint64_t>::max());
 }
 
-// Changes one value of one stage by one ULP, in the probe's copy only.
+// Changes one value of one stage by one ULP, only in the probe's copy.
 class Planted : public model::Solver {
  public:
   Planted(std::unique_ptr<model::Solver> solver, model::Where where, std::size_t index)

@@ -15,7 +15,8 @@ using model::Field;
 using model::Kernel;
 using model::Model;
 
-// As "skin region update" or "predict | 20 (region iterate) | integrate": blocks with their repetitions.
+// For example "skin region update" or "predict | 20 (region iterate) | integrate": blocks with their
+// repetitions.
 std::string text_of(const model::SubstepPlan& plan) {
   std::string text;
   for (const Block& block : plan) {
@@ -34,7 +35,7 @@ std::string plan_of(const BarOptions& options, bool for_probe) {
   return text_of(substep_plan(make_bar(options), solver, for_probe));
 }
 
-// The order of the method, written down here once more by hand.
+// The order of the method, written down a second time by hand.
 TEST(SubstepPlan, HasTheStagesInTheirOrder) {
   EXPECT_EQ(plan_of({}, true), "predict region goal integrate");
   EXPECT_EQ(plan_of({}, false), "region update");
@@ -71,7 +72,8 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "predict | 7 (region iterate obstruct) | 12 (lack crowd limit) | collide | integrate");
 }
 
-// Every stage but embed is shown once an iteration; contact is shown in each and again at the substep's end.
+// Every stage except embed is shown once per iteration; contact is shown in each, and again at the end of the
+// substep.
 TEST(SubstepPlan, ShowsAProbeEveryStage) {
   const Model m = make_bar(
       {.skeleton = true, .ties = true, .implicit = true, .limits = true, .contact = true, .colliders = true});
@@ -98,8 +100,8 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   EXPECT_TRUE(wait_for_each_other(Kernel::region, Kernel::update));
   EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::region)) << "the next substep's";
   EXPECT_TRUE(wait_for_each_other(Kernel::region, Kernel::relax)) << "moves what region reads";
-  // The buffers of skinned and skinned_before change places: what update reads as the one before, the next
-  // substep's skin writes.
+  // The buffers of skinned and skinned_before are swapped: the next substep's skin writes what update reads
+  // as skinned_before.
   EXPECT_TRUE(must_wait(access_of(Kernel::skin), {Field::skinned_before}, {}));
   EXPECT_FALSE(wait_for_each_other(Kernel::skin, Kernel::contact_bound));
   const Kernel contact[] = {Kernel::contact_bound, Kernel::contact_enclose, Kernel::contact_find,
@@ -111,15 +113,16 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
                          Kernel::contact_hold};
   for (std::size_t k = 1; k < std::size(held); ++k)
     EXPECT_TRUE(wait_for_each_other(held[k - 1], held[k])) << name_of(held[k]);
-  EXPECT_TRUE(wait_for_each_other(Kernel::iterate, Kernel::contact_hold)) << "sees where it went";
+  EXPECT_TRUE(wait_for_each_other(Kernel::iterate, Kernel::contact_hold)) << "reads the new positions";
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_yield, Kernel::region)) << "the next iteration's";
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_yield, Kernel::obstruct));
   EXPECT_TRUE(wait_for_each_other(Kernel::integrate, Kernel::contact_settle));
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_settle, Kernel::contact_rest));
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_rest, Kernel::predict)) << "the next substep's";
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_find, Kernel::contact_press));
-  EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update)) << "moves what boxes hold";
-  EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::contact_press)) << "answers to what it did";
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update))
+      << "moves the contents of the boxes";
+  EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::contact_press)) << "responds to the motion";
   EXPECT_TRUE(wait_for_each_other(Kernel::contact, Kernel::region)) << "the next substep's";
   EXPECT_FALSE(must_wait(access_of(Kernel::embed), {Field::position}, {Field::velocity}));
   EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::collide));
@@ -129,12 +132,12 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   EXPECT_TRUE(wait_for_each_other(Kernel::collide, Kernel::integrate)) << "an implicit substep's";
 }
 
-// Fused kernels give the bits of their parts only if what changes places needs no other order: predict goes
-// past region into update.
+// Fused kernels give the same bits only if the reordering breaks no dependency: predict moves past region
+// into update.
 TEST(SubstepPlan, FusesOnlyWhatMayChangePlaces) {
   EXPECT_FALSE(access_of(Kernel::region).reads().has(Field::velocity));
   EXPECT_FALSE(access_of(Kernel::region).writes.has(Field::velocity));
-  // Of an explicit substep, where predict writes velocities alone.
+  // As in an explicit substep, where predict writes only velocities.
   const model::KernelAccess predict{
       Kernel::predict,  "predict", model::KernelItems::vertices, access_of(Kernel::predict).own, {}, {},
       {Field::velocity}};
@@ -164,11 +167,11 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   EXPECT_FALSE(swept({.contact = true}, 0));
   EXPECT_TRUE(swept({.contact = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
-  // What ends before the solids has a step more than a sweep takes.
+  // A block that ends with solids has one step more than a sweep can run.
   EXPECT_TRUE(swept({.colliders = true}, 0));
   EXPECT_FALSE(swept({.colliders = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .colliders = true}, 1));
-  EXPECT_FALSE(swept({.skeleton = true, .implicit = true}, 0)) << "skin and predict reach no ring";
+  EXPECT_FALSE(swept({.skeleton = true, .implicit = true}, 0)) << "skin and predict do not read the one-ring";
   EXPECT_FALSE(model::swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
 }
 

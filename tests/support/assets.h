@@ -1,5 +1,5 @@
-// Real meshes and characters for tests. They are not part of the repository: where one is missing a test is
-// skipped, loudly; with FASCICLE_REQUIRE_ASSETS=1 it fails.
+// Real meshes and characters for tests. They are not part of the repository: without them, tests are skipped
+// with a message, or fail if FASCICLE_REQUIRE_ASSETS=1.
 #pragma once
 
 #include <cstdlib>
@@ -19,13 +19,13 @@ inline bool assets_are_required() {
   return value != nullptr && std::string(value) == "1";
 }
 
-// Ends the test, or its SetUp, where the file is missing.
-#define FASCICLE_NEEDS_ASSET(path)                                                \
-  if (!std::filesystem::exists(path)) {                                           \
-    if (::fascicle::tests::assets_are_required())                                 \
-      FAIL() << "FASCICLE_REQUIRE_ASSETS=1, and there is no " << (path).string(); \
-    GTEST_SKIP() << "SKIPPED, NOT TESTED: there is no " << (path).string();       \
-  }                                                                               \
+// Ends the test, or its SetUp, if the file is missing.
+#define FASCICLE_NEEDS_ASSET(path)                                                          \
+  if (!std::filesystem::exists(path)) {                                                     \
+    if (::fascicle::tests::assets_are_required())                                           \
+      FAIL() << "FASCICLE_REQUIRE_ASSETS=1, but this file is missing: " << (path).string(); \
+    GTEST_SKIP() << "SKIPPED, NOT TESTED: missing " << (path).string();                     \
+  }                                                                                         \
   static_assert(true)
 
 }  // namespace fascicle::tests

@@ -17,8 +17,8 @@ using model::Model;
 
 constexpr double spacing = 0.05;
 
-// Ascending neighbours in Kuhn's division: two grid points share a tetrahedron if their difference has no
-// mixed signs.
+// Ascending neighbours in Kuhn's division: two grid points share a tetrahedron if the components of their
+// difference do not have mixed signs.
 std::vector<std::set<std::uint32_t>> one_rings(const BarOptions& o) {
   const int nx = static_cast<int>(o.x), ny = static_cast<int>(o.y), nz = static_cast<int>(o.z);
   const auto number = [&](int i, int j, int k) { return static_cast<std::uint32_t>((i * ny + j) * nz + k); };
@@ -35,7 +35,7 @@ std::vector<std::set<std::uint32_t>> one_rings(const BarOptions& o) {
   return rings;
 }
 
-// A value in [0, 1) that looks random but belongs to the pair.
+// A pseudo-random value in [0, 1) that depends only on the pair.
 double noise(std::uint32_t a, std::uint32_t b) {
   std::uint32_t h = (a + 1) * 2654435761u ^ (b + 1) * 2246822519u;
   h = (h ^ h >> 15) * 3266489917u;
@@ -87,7 +87,7 @@ void add_skin(Model& m, double length) {
   m.joint_count = 2;
   m.skin_offset.push_back(0);
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-    // Quarters are exact, so that weights sum to one.
+    // Quarters are exact, so weights sum to one.
     const double along = std::clamp(static_cast<double>(m.rest[3 * std::size_t{i}]) / length, 0.0, 1.0);
     const double second = std::round(along * 4.0) / 4.0;
     if (second < 1.0) {
@@ -102,7 +102,7 @@ void add_skin(Model& m, double length) {
   }
 }
 
-// A tie from every vertex above to the triangle of its neighbours below.
+// Ties each vertex of the top layer to a triangle of its neighbours below.
 void add_ties(const BarOptions& o, Model& m) {
   std::vector<std::vector<std::pair<std::uint32_t, float>>> entries(m.vertex_count);
   for (std::uint32_t along = 1; along + 1 < o.x; ++along)
@@ -152,14 +152,14 @@ std::vector<std::uint32_t> kuhn_tetrahedra(const BarOptions& o, std::uint32_t si
   return corners;
 }
 
-// Those that the noise did not turn round.
+// Skips tetrahedra that the noise inverted.
 void add_limited_tetrahedra(const BarOptions& o, Model& m) {
   m.tetrahedron = kuhn_tetrahedra(o, 1);
   add_limits(m, 0.9);
 }
 
-// A tetrahedron over two cells holds points that are no corner of it. Far from them by the tiny margins is
-// whatever the bar bends by; and a third of the points may meet what is around them at once.
+// Tetrahedra span two cells, so they contain points that are not their corners. Margins are so small that any
+// bending exceeds them. A third of the points may touch their surroundings from the start.
 void add_contacts(const BarOptions& o, Model& m) {
   m.contact_tetrahedron = kuhn_tetrahedra(o, 2);
   for (std::uint32_t i = 0; i < m.vertex_count; ++i)
@@ -188,7 +188,7 @@ void add_contacts(const BarOptions& o, Model& m) {
   if (o.ignored_contact) ignore_some_contact(m, 3);
 }
 
-// Four solids, each of which spares some vertices.
+// Four solids; each ignores some vertices.
 constexpr std::uint32_t solid_count = 4;
 void add_colliders(Model& m) {
   m.collider_count = solid_count;
@@ -196,7 +196,7 @@ void add_colliders(Model& m) {
     m.spared.push_back(i % 7 == 3 ? 1U << i / 7 % solid_count : 0U);
 }
 
-// A rotation about z by twice the angle whose tangent is t, which needs no sine, then a fixed one about x.
+// A rotation about z by twice the angle whose tangent is t (needs no sine), then a fixed rotation about x.
 struct Turn {
   double rows[3][3];
 };
@@ -205,7 +205,8 @@ Turn turned(double t) {
   return {{{c, s, 0.0}, {-0.8 * s, 0.8 * c, 0.6}, {0.6 * s, -0.6 * c, 0.8}}};
 }
 
-// Three rows of four: from places relative to `origin` into the space of a solid about `center`.
+// Writes a map, as three rows of four, from positions relative to `origin` into the space of a solid about
+// `center`.
 void write_map(const Turn& turn, const std::array<double, 3>& center, const std::array<double, 3>& origin,
                float* rows) {
   for (const auto& row : turn.rows) {
@@ -218,7 +219,8 @@ void write_map(const Turn& turn, const std::array<double, 3>& center, const std:
   }
 }
 
-// Where solid k has its middle at a time, in frames. The bar falls onto some and lies in others at first.
+// The centre of solid k at time t, in frames. The bar falls onto some solids and overlaps others at the
+// start.
 std::array<double, 3> center_of(std::uint32_t k, double t) {
   switch (k) {
     case 0:  // the plane
@@ -272,7 +274,8 @@ Model make_bar(const BarOptions& o) {
   }
   if (o.volume) {
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-      // A moment's size from its trace: half of them are a little off, and push at rest too.
+      // Estimates a moment's size from its trace. Half of the estimates are slightly off, so these regions
+      // push even at rest.
       float size = 0.0f;
       for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e)
         size += m.share_taken[e] * m.pull[m.ring[e]] * static_cast<float>(spacing * spacing);
@@ -303,7 +306,7 @@ Model make_bar(const BarOptions& o) {
   if (o.implicit) {
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
       m.youngs_modulus.push_back(1e4);
-      // From a below a half to a rounded to 1, in the steps that the tests take.
+      // With the tests' time steps, `a` ranges from below one half to values that round to 1.
       m.stiffness.push_back(std::ldexp(1.0, static_cast<int>(i % 40)));
     }
     if (o.skeleton && m.carried.empty()) m.carried.assign(m.vertex_count, 0.0f);
@@ -317,14 +320,14 @@ Model make_bar(const BarOptions& o) {
 void BarMotion::append_pose(double time, float jump, std::vector<shader::Bone>& to) const {
   const auto t = static_cast<float>(time / substeps_);
   for (std::uint32_t j = 0; j < model_.joint_count; ++j) {
-    // A shear in place of a rotation: any affine map will do, and it needs no sine.
+    // A shear instead of a rotation: any affine map will do, and this one needs no sine.
     const float bend = j == 1 ? 0.02f * t + jump : 0.0f;
     to.push_back({1.0f, 0.0f, bend, 0.01f * t + jump, bend, 1.0f, 0.0f, 0.0f, 0.0f, -bend, 1.0f, 0.005f * t,
                   9.81f * bend, 0.1f * bend, -bend, 0.0f});
   }
 }
 
-// The solids' way through the substep that ends at `time`, in substeps.
+// The motion of the solids during the substep that ends at `time`, in substeps.
 void BarMotion::append_colliders(double time) {
   for (std::uint32_t k = 0; k < model_.collider_count; ++k) {
     shader::Collider& solid = colliders_.emplace_back();
@@ -348,7 +351,7 @@ model::Drive BarMotion::drive(std::uint64_t frame) {
   forces_.clear();
   for (std::uint32_t s = 0; s < substeps_; ++s) {
     const float t = static_cast<float>((frame - 1) * substeps_ + s + 1) / static_cast<float>(substeps_);
-    // Frames 3 and 4 of five have jumped, frame 3 from its second substep on; frame 5 jumps back.
+    // In every five frames the motion jumps in frame 3, after its first substep, and jumps back in frame 5.
     const bool jumped = cuts_ && (frame % 5 == 4 || (frame % 5 == 3 && s > 0));
     append_pose(static_cast<double>((frame - 1) * substeps_ + s + 1), jumped ? 0.25f : 0.0f, bones_);
     for (std::uint32_t k = 0; k < model_.muscle_count; ++k)
@@ -382,7 +385,7 @@ model::Drive BarMotion::drive(std::uint64_t frame) {
     cut_list_.push_back({substep, origin_, pose(0), pose(1), pose(2), pose(3)});
     drive.origin_shift = {0.0f, 0.0f, 0.0f};
   }
-  // Relative to the frame's origin, which is known now.
+  // Relative to the frame's origin, which is only known now.
   colliders_.clear();
   for (std::uint32_t s = 0; s < substeps_; ++s)
     append_colliders(static_cast<double>((frame - 1) * substeps_ + s + 1));

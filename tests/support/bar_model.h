@@ -1,5 +1,5 @@
-// A bar of Kuhn tetrahedra as a Model, written down directly so that these tests need no other room. Its
-// weights are plausible, not the paper's: what is tested is that two solvers do the same with them.
+// A bar of Kuhn tetrahedra, written directly as a Model so that these tests depend on no other room. Its
+// weights are plausible, not the paper's: the tests check that two solvers treat them alike.
 #pragma once
 
 #include <array>
@@ -12,36 +12,35 @@ namespace fascicle::tests {
 
 struct BarOptions {
   std::uint32_t x = 9, y = 4, z = 3;  // vertices along each axis
-  bool skeleton = false;              // two joints, the second bends and takes gravity along
-  bool carried = false;               // vertices that feel none, half or all of the skeleton's acceleration
-  bool cuts = false;                  // the motion jumps in some frames, twice in some
+  bool skeleton = false;              // two joints; the second bends and rotates gravity
+  bool carried = false;               // vertices feel none, half or all of the skeleton's acceleration
+  bool cuts = false;                  // the motion jumps in some frames, in some of them twice
   bool muscle = false;
   bool forces = false;
-  bool volume = false;  // a volume term in two of three regions
-  bool ties = false;    // of the uppermost vertices to triangles below them, some of which are held
+  bool volume = false;  // two of three regions have a volume term
+  bool ties = false;    // ties the top vertices to triangles below them, some with kinematic corners
   bool surface = true;
   bool implicit = false;         // for the implicit integrator, from soft to stiff
-  bool limits = false;           // of an implicit one: no tetrahedron loses a tenth of its volume
-  bool contact = false;          // most vertices are points, in tetrahedra that may be met nearly everywhere
-  bool ignored_contact = false;  // beside contact: some points ignore some of them
-  bool colliders =
-      false;  // a solid of each shape, all of them moving, in the bar's way; some vertices are spared
-  bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
+  bool limits = false;           // implicit only: no tetrahedron loses more than a tenth of its volume
+  bool contact = false;          // most vertices are contact points; most tetrahedra can be touched
+  bool ignored_contact = false;  // needs contact: some points ignore some tetrahedra
+  bool colliders = false;        // a moving solid of each shape, in the bar's way; some vertices ignore it
+  bool odd_vertices = false;     // adds two vertices without neighbours, the second without weight
 };
 
 model::Model make_bar(const BarOptions& options);
 
-// Owns what a Drive points to: poses, muscles, forces and solids that change with every substep, and a
-// shifting origin.
+// Owns what a Drive points to: poses, muscles, forces and solids, all changing every substep, and a moving
+// origin.
 class BarMotion {
  public:
   BarMotion(const model::Model& model, std::uint32_t substeps, bool cuts = false)
       : model_(model), substeps_(substeps), cuts_(cuts) {}
-  // Frame k; spans live until the next call.
+  // Frame k. Spans stay valid until the next call.
   model::Drive drive(std::uint64_t frame);
 
  private:
-  // The pose at `time`, in substeps; `jump`: how much further it bends and stands after a cut.
+  // The pose at `time`, in substeps. `jump` adds bend and displacement after a cut.
   void append_pose(double time, float jump, std::vector<shader::Bone>& to) const;
   void append_colliders(double time);
 

@@ -34,7 +34,7 @@ std::set<std::uint32_t> boundary_vertices(const Model& m) {
   return vertices;
 }
 
-// Least x y z and 0, most x y z and 0, of the tetrahedra from `first` on.
+// Appends low x y z 0 and high x y z 0 of the tetrahedra from `first` on.
 void append_rest_box(Model& m, std::size_t first, std::size_t count) {
   std::array<float, 3> low{}, high{};
   low.fill(std::numeric_limits<float>::infinity());
@@ -127,7 +127,7 @@ void ignore_some_contact(Model& m, unsigned seed) {
   std::mt19937 random(seed);
   m.contact_ignored.clear();
   m.contact_group.clear();
-  // Every other leaf is of one group as a whole.
+  // Every tetrahedron of every other leaf is in one common group.
   for (std::uint32_t t = 0; t < m.contact_tetrahedron_count(); ++t)
     m.contact_group.push_back((random() % 8 & 5U) | (t / shader::contact_leaf % 2 == 0 ? 2U : 0U));
   m.contact_group[0] |= 7U;
@@ -140,7 +140,7 @@ void ignore_some_contact(Model& m, unsigned seed) {
 void add_group_depths(Model& m) {
   m.contact_depth.resize(m.vertex_count);
   const std::size_t count = model::contact_group_count(m);
-  // Some deeper, some less deep.
+  // Some deeper, some less deep than ungrouped.
   for (std::size_t group = 0; group < count; ++group)
     for (std::size_t i = 0; i < m.vertex_count; ++i)
       m.contact_depth.push_back((0.5f + 0.25f * static_cast<float>((i + group) % 4)) * m.contact_depth[i]);

@@ -1,6 +1,6 @@
-// For the address sanitizer only. The Vulkan loader unloads Mesa's driver with each instance, and what its
-// compiler had kept for the next one is then reported as leaked, with a stack that has no names. A driver
-// that stays loaded still points at it. Where there is no such driver nothing is done.
+// For the address sanitizer only. The Vulkan loader unloads Mesa's driver with each instance. Memory that the
+// driver's compiler cached for reuse is then reported as leaked, with a stack without symbols. While the
+// driver stays loaded, that memory stays reachable. Does nothing if this driver is not installed.
 #include <dlfcn.h>
 
 namespace {

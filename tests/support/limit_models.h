@@ -1,12 +1,12 @@
-// Small bodies whose tetrahedra are not crushed, made without host/build.
+// Small bodies with volume limits, made without host/build.
 #pragma once
 
 #include "host/model/model.h"
 
 namespace fascicle::tests {
 
-// Limits of all tetrahedra with a free corner and a positive volume: this share of their volume at rest. Of
-// an implicit model, after make_kinematic; call it again after changing masses.
+// Adds limits to all tetrahedra with a free corner and a positive volume: each keeps this share of its volume
+// at rest. The model must be implicit. Call after make_kinematic, and again after masses change.
 void add_limits(model::Model& model, double share);
 
 }  // namespace fascicle::tests

@@ -1,6 +1,6 @@
-// Programs of others that read back what we write. Node's lie in BUILD/readers, where ./do test installs them
-// from tests/readers/package-lock.json. Where one is missing a test is skipped, loudly; with
-// FASCICLE_REQUIRE_READERS=1 (node's) or FASCICLE_REQUIRE_BLENDER=1 it fails.
+// Third-party programs that read back our output. Those for Node.js are in BUILD/readers, where ./do test
+// installs them from tests/readers/package-lock.json. Without them, tests are skipped with a message, or fail
+// if FASCICLE_REQUIRE_READERS=1 (Node.js) or FASCICLE_REQUIRE_BLENDER=1.
 #pragma once
 
 #include <cstdlib>
@@ -29,7 +29,7 @@ inline bool have_blender() {
   return std::system("command -v blender > /dev/null 2>&1") == 0;
 }
 
-// Ends the test where the programs are missing.
+// Ends the test if the programs are missing.
 #define FASCICLE_NEEDS(have, variable, what)                                             \
   if (!(have)) {                                                                         \
     if (::fascicle::tests::is_required(variable)) FAIL() << variable "=1, and no " what; \

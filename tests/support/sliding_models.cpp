@@ -36,8 +36,8 @@ void drop_pairs(Model& model, const std::vector<bool>& is_skin) {
   model.ring = ring;
 }
 
-// Of the triangles nearest to the vertex the one that it stands highest over, facing it; mobilities are left
-// 0.
+// Among the triangles nearest to the vertex, takes the one that faces it with the largest height above its
+// plane. Leaves mobilities at 0.
 shader::Tie nearest_tie(const Model& model, const std::vector<bool>& is_skin, std::uint32_t s) {
   shader::Tie best{};
   double least = std::numeric_limits<double>::infinity(), highest = 0.0;
@@ -100,7 +100,7 @@ void add_sliding(Model& model, const std::function<bool(const Vector3d&)>& is_sk
   std::vector<int> ties_at(model.vertex_count, 0);
   for (const shader::Tie& t : model.tie)
     for (const std::uint32_t j : corners(t)) ++ties_at[j];
-  // How much easier i moves than the sliding vertex.
+  // The mobility of i relative to the sliding vertex.
   const auto ratio = [&](const shader::Tie& t, std::uint32_t i) {
     return model.is_kinematic(i) ? 0.0 : model.mass[t.sliding] / model.mass[i];
   };
@@ -116,7 +116,7 @@ void add_sliding(Model& model, const std::function<bool(const Vector3d&)>& is_sk
       if (model.is_kinematic(i)) continue;
       if (model.tie[k].sliding != i && std::find(of.begin(), of.end(), i) == of.end()) continue;
       model.tie_index.push_back(k);
-      // Half of what is wrong is put right in a substep.
+      // A substep corrects half of the error.
       model.tie_coefficient.push_back(float(0.5 * ratio(model.tie[k], i)));
     }
     model.tie_offset.push_back(std::uint32_t(model.tie_index.size()));

@@ -44,7 +44,7 @@ void add_one_rings(Model& model, const Mesh& mesh) {
   }
 }
 
-// A render vertex for each vertex on the boundary, riding a little inside one of its tetrahedra.
+// A render vertex for each boundary vertex, slightly inside one of its tetrahedra.
 void add_surface(Model& model, const Mesh& mesh) {
   std::map<std::array<std::uint32_t, 3>, std::pair<int, std::array<std::uint32_t, 3>>> faces;
   for (const auto& t : mesh.tetrahedra) {
@@ -177,7 +177,7 @@ void fill_weights(Model& model) {
   for (std::uint32_t i = 0; i < n; ++i) {
     pull[i] = oracle.weight(i, i);
     for (std::uint32_t r : ring(i)) pull[i] += oracle.weight(i, r);
-    // Rounding down leaves the vertex's own region a share that is not negative.
+    // Rounding down keeps the share of the vertex's own region non-negative.
     for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
       if (pull[i] > 0.0)
         model.share_given[e] =
@@ -192,7 +192,7 @@ void fill_weights(Model& model) {
     return own;
   };
 
-  // Fills region_rest for the given pulls; returns |A_r| at rest.
+  // Fills region_rest for these pulls and returns |A_r| at rest.
   const auto fill_region = [&](std::uint32_t r, const auto& pulls) {
     const auto weight = [&](std::uint32_t i) { return double(pulls[i]) * share_of_pair(i, r); };
     double W = weight(r);
@@ -220,7 +220,7 @@ void fill_weights(Model& model) {
   }
   const double factor = moments > 0.0 ? n / moments : 1.0;
   for (std::uint32_t i = 0; i < n; ++i) model.pull[i] = float(pull[i] * factor);
-  // Once more with the pulls as rounded: rest centres that fit them exactly leave a body at rest at rest.
+  // Again with the rounded pulls: with rest centres that match them exactly, a body at rest stays at rest.
   for (std::uint32_t r = 0; r < n; ++r) fill_region(r, model.pull);
 }
 
@@ -258,7 +258,7 @@ void add_skeleton(Model& model) {
   model.skin_offset = {0};
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const double along = (rest_of(model, i).x() - low) / (high - low);
-    // In steps of 1/64, so that the two weights add up to one exactly.
+    // In steps of 1/64, so the two weights sum to exactly one.
     const double second = std::round(64.0 * std::clamp(2.0 * along - 0.5, 0.0, 1.0)) / 64.0;
     if (second < 1.0) {
       model.skin_joint.push_back(0);
@@ -296,7 +296,7 @@ Model random_model(unsigned seed, std::uint32_t most_cells) {
   const double kinematic = chance(0.3) ? 0.0 : 0.3;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     model.tag[i] = chance(0.5) ? 1 : 0;
-    // The ends of the range are where formulas degenerate: often taken exactly.
+    // Formulas degenerate at the ends of the range, so take them often.
     model.alpha[i] = chance(0.1) ? 0.0f : chance(0.1) ? 1.0f : float(unit(random));
     model.beta[i] = chance(0.2) ? 0.0f : chance(0.2) ? 1.0f : float(unit(random));
     const Vector3d d = chance(0.1) ? Vector3d::Zero() : chance(0.2) ? Vector3d::UnitX() : direction();

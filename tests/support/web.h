@@ -1,6 +1,6 @@
-// The browser's pages and what they are tested with. npm's tools lie in BUILD/web, where ./do test installs
-// them from web/package-lock.json: where they are missing a test is skipped, loudly. Chromium is Debian's:
-// where it is missing too; with FASCICLE_REQUIRE_CHROMIUM=1 that is a failure.
+// The browser pages and the tools that test them. npm's tools are in BUILD/web, where ./do test installs them
+// from web/package-lock.json; without them, tests are skipped with a message. So are tests without Debian's
+// Chromium, unless FASCICLE_REQUIRE_CHROMIUM=1: then they fail.
 #pragma once
 
 #include <cstdlib>
@@ -24,8 +24,8 @@ inline bool have_chromium() {
   return std::system("command -v chromium > /dev/null 2>&1") == 0;
 }
 
-// Runs a command in BUILD/web, with the sources of web/ as they are now. Its output goes to `log`; returns
-// the exit status.
+// Runs a command in BUILD/web with the current sources of web/. Its output goes to `log`; returns the exit
+// status.
 int run_web(const std::string& command, const std::filesystem::path& log);
 
 #define FASCICLE_NEEDS_WEB_TOOLS                                          \
