@@ -1,5 +1,4 @@
-// Real inputs, all the way to a model: the Stanford bunny and a walking man. They need ../shared/assets and
-// the mesher.
+// Real inputs built into models: the Stanford bunny and a walking man. Needs ../shared/assets and the mesher.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -28,7 +27,7 @@ Vector3d metres(const Model& m, std::uint32_t i) {
   return p;
 }
 
-// The render mesh is the file's, vertex for vertex and triangle for triangle, and stands in its place.
+// The render mesh has the file's vertices and triangles in the file's order, at the file's positions.
 void expect_own_surface(const Model& model, const mesh::SurfaceMesh& surface, double scale) {
   ASSERT_EQ(model.surface_count(), surface.vertices.size());
   ASSERT_EQ(model.surface_triangle.size(), 3 * surface.triangles.size());
@@ -38,7 +37,7 @@ void expect_own_surface(const Model& model, const mesh::SurfaceMesh& surface, do
     Vector3d p = Vector3d::Zero();
     for (std::size_t c = 0; c < 4; ++c)
       p += double{model.surface_weight[4 * v + c]} * metres(model, model.surface_vertex[4 * v + c]);
-    // Half an ULP of a float below 1 along each axis, and the weld's 1e-9 of the diagonal (at most 4 units).
+    // Half an ULP of a float below 1 per axis, plus the weld's 1e-9 of the diagonal (at most 4 units).
     EXPECT_LE((p - scale * surface.vertices[v]).norm(), model.unit * (0x1p-24 + 4e-9));
   }
 }
@@ -76,15 +75,15 @@ TEST(Assets, TheBunnyInThreeLayers) {
   const Model model = build::build_model(scene, report, with_mesher());
   ASSERT_NO_THROW(model::check_model(model));
   expect_own_surface(model, surface, 1.0);
-  // Thousands of volumes, and as many triangles, each rounded; the surface stands up to its own size off the
-  // origin.
+  // Sums of thousands of rounded volumes and as many triangles; the surface is off the origin by up to its
+  // own size.
   EXPECT_NEAR(report.volume, enclosed_volume(surface), 1e-9 * report.volume);
   for (const build::LayerShare& share : report.layers) EXPECT_GT(share.vertices, 0u) << share.name;
   EXPECT_GT(report.pinned_vertices, 0u);
   EXPECT_EQ(report.flipped_tetrahedra, 0u);
 }
 
-// Figure 2: three layers by the distance from drawn bones. They nest, and each fills what was asked of it.
+// Figure 2: three layers by distance from drawn bones. They nest, and each fills its requested share.
 TEST(Assets, TheBunnysLayersNestAndFillTheirShares) {
   const std::filesystem::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
@@ -116,7 +115,7 @@ TEST(Assets, TheBunnysLayersNestAndFillTheirShares) {
     nearest[model.layer_of(i)] = std::min(nearest[model.layer_of(i)], distance);
     farthest[model.layer_of(i)] = std::max(farthest[model.layer_of(i)], distance);
   }
-  // Positions are rounded to floats of a body 0.15 m long.
+  // Positions are floats; the body is 0.15 m long.
   EXPECT_LE(farthest[2], nearest[1] + 1e-7);
   EXPECT_LE(farthest[1], nearest[0] + 1e-7);
 }
@@ -157,7 +156,7 @@ TEST(Assets, TheWalkingMan) {
   EXPECT_NEAR(report.volume, enclosed_volume(man.surface), 1e-9 * report.volume);
   for (const build::LayerShare& share : report.layers) EXPECT_GT(share.vertices, 0u) << share.name;
 
-  // A render vertex that no seam doubles moves by its own weights.
+  // A render vertex that is not duplicated by a seam keeps its own weights.
   std::vector<std::uint32_t> doubles(model.vertex_count, 0);
   for (std::uint32_t v = 0; v < model.surface_count(); ++v) ++doubles[model.surface_vertex[4 * v]];
   std::size_t single = 0;
@@ -169,14 +168,14 @@ TEST(Assets, TheWalkingMan) {
       double given = 0.0;
       for (std::size_t c = 0; c < 8; ++c)
         if (man.joints[v][c] == model.skin_joint[k]) given += man.weights[v][c];
-      // Shares below 1e-4 are dropped, at most seven of them.
+      // Shares below 1e-4 are dropped, at most seven per vertex.
       EXPECT_NEAR(double{model.skin_weight[k]}, given, 7e-4);
     }
   }
   EXPECT_GT(single, 1000u);
 }
 
-// docs/examples/walking-man.toml, which shows what layers know.
+// docs/examples/walking-man.toml shows the options of layers.
 TEST(Assets, TheExampleOfACharacterBuilds) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
@@ -194,7 +193,7 @@ TEST(Assets, TheExampleOfACharacterBuilds) {
   EXPECT_EQ(report.bone_islands, 1u);
   EXPECT_GT(report.fibres.constraints, 0u);
   EXPECT_EQ(report.fibres.without, 0u);
-  // Lines that turn by more than 60 degrees along an edge: measured 1.8 % of the edges.
+  // Edges along which lines turn by more than 60 degrees: measured 1.8 %.
   EXPECT_LT(report.fibres.bent_edges, report.fibres.edges / 25);
   for (const build::LayerShare& layer : report.layers)
     EXPECT_GT(layer.volume / report.volume, 0.05) << layer.name;
@@ -214,8 +213,7 @@ TEST(Assets, TheWalkingManIsTheSameEveryTime) {
   EXPECT_EQ(a.tag, b.tag);
 }
 
-// Every bone has vertices of the bone layer along it: without points along the bones the layer would be
-// islands.
+// The bone layer is connected. Without extra points along the bones it would fall apart into islands.
 TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
@@ -241,11 +239,11 @@ TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
     }
     largest = std::max(largest, size);
   }
-  // Most of the layer in one piece; feet and hands may stand alone where the skin is nearer than a spacing.
+  // Most of the layer is one piece. Feet and hands may be separate where the skin is closer than the spacing.
   EXPECT_GT(2 * largest, bone_vertices);
 }
 
-// A robot of rigid parts: all that is left to say is about the file.
+// A robot of rigid parts: the only warning is about the file itself.
 TEST(Assets, ARobotIsNotBotheredWithFlesh) {
   const std::filesystem::path file = asset("RobotExpressive.glb");
   FASCICLE_NEEDS_ASSET(file);

@@ -26,8 +26,8 @@ TEST(Bar, HasSixEqualTetrahedraACell) {
   ASSERT_EQ(mesh.vertices.size(), 60u);
   ASSERT_EQ(mesh.tetrahedra.size(), 4u * 2u * 3u * 6u);
   const double each = 0.4 * 0.1 * 0.2 / 144.0;
-  // Coordinates below 0.5 are rounded to 2^-54; edges are near 0.07, so a volume is off by a few 2^-50 of
-  // itself.
+  // Coordinates below 0.5 are rounded to 2^-54 and edges are about 0.07, so the relative error of a volume is
+  // a few 2^-50.
   for (const auto& t : mesh.tetrahedra) EXPECT_NEAR(signed_volume(mesh, t), each, each * 1e-13);
 }
 
@@ -63,7 +63,7 @@ TEST(Bar, JitterMovesInsideVerticesOnlyAndNoFurtherThanAsked) {
     if (!inside) {
       EXPECT_EQ(d, scene::Vector3d::Zero());
     }
-    // The difference of two rounded coordinates: the slack is theirs.
+    // The slack is for the difference of two rounded coordinates.
     for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(d[k]), 0.2 * spacing[k] + 1e-15);
     moved += d.norm() > 0.0;
   }
@@ -78,8 +78,8 @@ TEST(Bar, JitterFollowsItsSeed) {
   EXPECT_NE(build::make_bar(one, "test").vertices, build::make_bar(other, "test").vertices);
 }
 
-// SplitMix64 from seed 1 begins 0x910a2dec89025cc1 (any published implementation): the first displacement
-// follows by hand.
+// SplitMix64 from seed 1 begins with 0x910a2dec89025cc1 (any published implementation); the first
+// displacement is computed from it by hand.
 TEST(Bar, JitterIsTheSameOnEveryMachine) {
   const mesh::TetMesh mesh =
       build::make_bar({.size = {2, 2, 2}, .vertices = {3, 3, 3}, .jitter = 0.1, .seed = 1}, "test");
@@ -105,7 +105,7 @@ TEST(Bar, BuildsAModelThatKeepsItsPromises) {
     EXPECT_NO_THROW(model::check_model(model));
     EXPECT_EQ(report.vertices, 525u);
     EXPECT_EQ(report.tetrahedra, 20u * 4u * 4u * 6u);
-    // A closed surface without handles: V - E + F = 2 with E = 3F/2.
+    // A closed surface of genus 0: V - E + F = 2 with E = 3F/2.
     EXPECT_EQ(2 * report.surface_vertices, report.surface_triangles + 4);
     EXPECT_EQ(report.pinned_vertices, 25u);
     EXPECT_EQ(report.flipped_tetrahedra, 0u);

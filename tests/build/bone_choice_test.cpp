@@ -1,4 +1,4 @@
-// Which joints are bones, on a body made for it: a round column of skin that stands from y = 0 to 2.
+// Which joints are bones, on a body made for it: a round column of skin from y = 0 to 2.
 #include "host/build/bone_choice.h"
 
 #include <cmath>
@@ -22,8 +22,8 @@ constexpr double radius = 0.2, height = 2.0;
 
 enum Joint : std::uint32_t { floor_root, hip, chest, head, breast, twist, lid };
 
-// The weights of a place on the column: hip, chest and head one above the other. On the chest lies a breast,
-// and a twist joint shares what is around the bone; the middle of the head's top has a joint of its own.
+// The weights at a point of the column: hip, chest and head from bottom to top. The chest carries a breast, a
+// twist joint shares the chest's flesh, and the centre of the head's top has its own joint.
 std::vector<std::pair<Joint, double>> weights_at(const Vector3d& p) {
   if (p[1] < 1.0) return {{hip, 1.0}};
   if (p[1] > 1.999 && std::hypot(p[0], p[2]) < 0.06) return {{lid, 1.0}};
@@ -41,7 +41,7 @@ rig::Character column_of_flesh(WeightsAt weights_of = weights_at) {
                 joint_at("chest", 1, {0, 1.0, 0}),     joint_at("head", 2, {0, 1.6, 0}),
                 joint_at("breast", 2, {0, 1.25, 0.1}), joint_at("twist", 2, {0, 1.0, 0}),
                 joint_at("lid", 3, {0, 1.95, 0})};
-  // Rings from the middle of the bottom, out, up, and to the middle of the top.
+  // Rings from the centre of the bottom outwards, up, and to the centre of the top.
   std::vector<std::pair<double, double>> profile;  // radius, y
   for (std::uint32_t k = 1; k < across; ++k) profile.emplace_back(radius * k / across, 0.0);
   for (std::uint32_t k = 0; k <= up; ++k) profile.emplace_back(radius, height * k / up);
@@ -84,20 +84,21 @@ BoneChoice choose(const scene::SkeletonSettings& settings = {}, double scale = 1
 TEST(BoneChoice, MeasuresTheSkin) {
   const BoneChoice choice = choose();
   const double whole = 2 * std::numbers::pi * radius * (height + radius);
-  // The head's tube and its lid; a polygon of 32 sides and a step of the rows at its lower end.
+  // The head's tube and cap. The tolerance covers the 32-sided polygon and one row of triangles at the lower
+  // end.
   const double head_area = 2 * std::numbers::pi * radius * 0.4 + std::numbers::pi * radius * radius;
   EXPECT_NEAR(choice.report[head].share, head_area / whole, 0.03 * head_area / whole + 0.01);
-  // The hole where the head is cut off, over its skin.
+  // The hole where the head is cut off, relative to its skin.
   EXPECT_NEAR(choice.report[head].openness, std::numbers::pi * radius * radius / head_area, 0.02);
   EXPECT_NEAR(choice.report[hip].share, 1.0, 1e-12);
-  // A closed surface has no hole: rounding of some thousand area vectors.
+  // A closed surface has no hole; the tolerance covers the rounding of a few thousand area vectors.
   EXPECT_NEAR(choice.report[hip].openness, 0.0, 1e-12);
   EXPECT_GT(choice.report[breast].share, 0.01);
   EXPECT_GT(choice.report[breast].openness, 0.8);
   EXPECT_LT(choice.report[lid].share, 0.01);
 }
 
-// The same column in clothes: a tube of one layer, open above and below, stands around hip and chest.
+// The same column in clothes: a single-layer tube, open at both ends, around hip and chest.
 rig::Character column_in_a_tube(double facing) {
   rig::Character c = column_of_flesh();
   constexpr std::uint32_t around = 32, up = 20;
@@ -119,7 +120,7 @@ rig::Character column_in_a_tube(double facing) {
   return c;
 }
 
-// A ray from the bone through body and tube crosses two triangles, as from outside of both.
+// A ray from the bone crosses body and tube, so two triangles, as if it came from outside.
 TEST(BoneChoice, BonesAreInsideOfClothesToo) {
   for (const double facing : {1.0, -1.0}) {
     const BoneChoice choice = build::choose_bones(column_in_a_tube(facing), {}, 1.0, "test");
@@ -136,7 +137,7 @@ TEST(BoneChoice, JointsThatClipsTurnBearNoFreeFlesh) {
     const double half = degrees / 2.0 * std::numbers::pi / 180.0;
     rig::Channel turn{
         .joint = breast, .path = rig::ChannelPath::rotation, .times = {0.0, 0.5, 1.0}, .values = {}};
-    // From one side to the other, and in the middle at first.
+    // Starts in the middle, then turns to one side and to the other.
     for (const double angle : {0.0, half / 2.0, -half / 2.0})
       for (const double value : {std::sin(angle), 0.0, 0.0, std::cos(angle)}) turn.values.push_back(value);
     c.clips = {{.name = "flop", .duration = 1.0, .channels = {turn}}};
@@ -146,8 +147,8 @@ TEST(BoneChoice, JointsThatClipsTurnBearNoFreeFlesh) {
   EXPECT_TRUE(choice_with(25.0).report[breast].is_kinematic);
 }
 
-// Short limbs before and behind the hip: a patch of the column, which is their thigh, and on it an open tube
-// with a cap, their foot. A tube of length l and the radius r leaves a hole of r / (r + 2 l) of its skin.
+// Short limbs in front of and behind the hip: a patch of the column is the thigh, and a capped tube on it is
+// the foot. For a tube of length l and radius r, the hole is r / (r + 2 l) of its skin.
 rig::Character column_with_limbs(double before, double behind) {
   rig::Character c = column_of_flesh();
   constexpr double wide = 0.1;
@@ -198,7 +199,7 @@ TEST(BoneChoice, ShortLimbsEndInTheirLowerJoint) {
 }
 
 TEST(BoneChoice, WhatIsAlikeOnBothSidesIsTreatedAlike) {
-  // The holes are 0.345 and 0.323 of their feet's skin, on both sides of a third.
+  // The holes are 0.345 and 0.323 of the feet's skin, just above and just below a third.
   const BoneChoice choice = build::choose_bones(column_with_limbs(0.095, 0.105), {}, 1.0, "test");
   const build::JointReport &before = choice.report[lid + 2], &behind = choice.report[lid + 4];
   ASSERT_GT(before.openness, build::most_open_limb);
@@ -220,13 +221,13 @@ TEST(BoneChoice, TakesWhatSkinSurroundsAndNothingElse) {
   EXPECT_EQ(choice.bones[0].to, Vector3d(0, 1, 0));
   EXPECT_EQ(choice.bones[0].owners, (std::array<std::int32_t, 3>{hip, -1, chest}));
   EXPECT_EQ(choice.bones[1].owners, (std::array<std::int32_t, 3>{chest, hip, head}));
-  // The head's goes up into its skin, and stays in it.
+  // The head's bone extends up into its skin and ends inside.
   EXPECT_EQ(choice.bones[2].owners, (std::array<std::int32_t, 3>{head, chest, -1}));
   EXPECT_NEAR(choice.bones[2].to[0], 0.0, 1e-12);
   EXPECT_GT(choice.bones[2].to[1], 1.8);
   EXPECT_LT(choice.bones[2].to[1], 2.0);
 
-  // Weights on joints that are no bones count for the bone above.
+  // Weights of joints that are not bones count for the bone above.
   EXPECT_EQ(choice.joints[breast].bone, chest);
   EXPECT_EQ(choice.joints[twist].bone, chest);
   EXPECT_EQ(choice.joints[lid].bone, head);
@@ -251,7 +252,7 @@ TEST(BoneChoice, CanBeOverridden) {
   using Settings = scene::SkeletonSettings;
   BoneChoice choice = choose_with(&Settings::bones, {"breast"});
   EXPECT_TRUE(choice.report[breast].is_bone);
-  EXPECT_TRUE(choice.report[breast].is_kinematic);  // it ends a chain
+  EXPECT_TRUE(choice.report[breast].is_kinematic);  // ends a chain
   choice = choose_with(&Settings::not_bones, {"head"});
   EXPECT_FALSE(choice.report[head].is_bone);
   EXPECT_TRUE(choice.report[chest].ends_chain);
@@ -295,7 +296,7 @@ TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
   expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
 }
 
-// A leg whose foot hangs on the floor's joint, not on the shank, and stands far off: an IK target.
+// A leg whose foot is parented to the floor joint instead of the shank and is far away, as for an IK target.
 TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
   enum Leg : std::uint32_t { ground, thigh, shank, foot };
   rig::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
@@ -304,7 +305,7 @@ TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
   c.skeleton = {joint_at("ground", -1, {1, -1, 0}), joint_at("thigh", ground, {0, 1.9, 0}),
                 joint_at("shank", thigh, {0, 1.2, 0}), joint_at("foot", ground, {0.5, -0.1, 0})};
   for (const bool is_below : {false, true}) {
-    // Below the shank it has always been a leg: the same bones, but for the target's place.
+    // The control: with the foot parented to the shank, the bones are the same except at the foot's position.
     if (is_below) c.skeleton[foot] = joint_at("foot", shank, {0, 0.3, 0});
     const BoneChoice choice = build::choose_bones(c, {}, 1.0, "test");
     EXPECT_FALSE(choice.report[ground].is_bone);
@@ -314,7 +315,7 @@ TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
     EXPECT_FALSE(choice.joints[shank].is_kinematic);
     ASSERT_EQ(choice.bones.size(), 3u);
     EXPECT_EQ(choice.bones[1].owners, (std::array<std::int32_t, 3>{shank, thigh, foot}));
-    // The row of triangles between the two lies from 0.3 to 0.325.
+    // The row of triangles between the two spans 0.3 to 0.325.
     EXPECT_NEAR(choice.bones[1].to[1], 0.3, 0.03);
     EXPECT_NEAR(choice.bones[1].to[0], 0.0, 1e-9);
     EXPECT_NEAR(choice.bones[2].from[1], 0.3, 0.03);
@@ -323,7 +324,7 @@ TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
   }
 }
 
-// A head as flat as a breast, where a chain goes on, is a bone; a breast is none.
+// A head as flat as a breast is a bone because a chain continues into it; the breast is not.
 TEST(BoneChoice, ChainsGoOnIntoFlatSkin) {
   enum Torso : std::uint32_t { ground, pelvis, spine, neck, bosom, top };
   rig::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
@@ -353,8 +354,8 @@ TEST(BoneChoice, SaysWhy) {
   EXPECT_NE(choice.report[twist].reason.find("around the bone of chest"), std::string::npos);
 }
 
-// What people would point at, on characters that were not made for this. `bones` of them, and among these all
-// of `ends`; `free` and `kinematic` move flesh that is no bone.
+// What a person would choose on characters not made for this test: the number of bones and all ends of
+// chains. `free` and `kinematic` are joints that are not bones, with free and with kinematic flesh.
 struct Expected {
   std::string file;
   std::size_t bones;
@@ -420,7 +421,7 @@ TEST(BoneChoice, OfABull) {
                  {"Body"}});
 }
 
-// Its rump has a joint of its own, and is soft; its belly's ends a chain in the skeleton and not in space.
+// The rump has its own joint and is soft. The belly's joint ends a chain in the hierarchy but not in space.
 TEST(BoneChoice, OfAFrog) {
   expect_choice({"easy_enemies_Frog.glb",
                  23,

@@ -1,4 +1,4 @@
-// Bone layers that are completed until they hold together.
+// Bone layers that are completed until they are connected.
 #include "host/build/bone_layer.h"
 
 #include <cmath>
@@ -27,7 +27,7 @@ bool is_on_axis(const Vector3d& p) {
   return std::abs(p[1] - 0.04) < 1e-9 && std::abs(p[2] - 0.04) < 1e-9;
 }
 
-// Marks the vertices on the axis but those with from < x < to.
+// Marks the vertices on the axis except those with from < x < to.
 std::vector<char> axis_without(const Body& body, double from, double to) {
   std::vector<char> is_bone;
   for (const Vector3d& p : body.mesh.vertices)
@@ -67,7 +67,7 @@ TEST(BoneLayer, IsLeftAloneWhereItHoldsTogether) {
   EXPECT_EQ(result.report.added, 0u);
 }
 
-// The shank of a bull: nothing near its bone is marked, and the gap is 0.44 of the diagonal.
+// Like a bull's shank: nothing near its bone is marked, and the gap is 0.44 of the diagonal.
 TEST(BoneLayer, LiesAlongABoneOfAnyLength) {
   const Body body = bar_body();
   const Completed result = complete(body, axis_without(body, 0.11, 0.29));
@@ -75,7 +75,7 @@ TEST(BoneLayer, LiesAlongABoneOfAnyLength) {
   EXPECT_EQ(result.report.islands, 1u);
   for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
     EXPECT_EQ(result.is_bone[i] != 0, is_on_axis(body.mesh.vertices[i])) << body.mesh.vertices[i].transpose();
-  // And with no vertex marked at all.
+  // The same with no vertex marked at all.
   const Completed bare = complete(body, axis_without(body, -1.0, 1.0));
   EXPECT_EQ(bare.report.islands, 1u);
   for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
@@ -84,7 +84,7 @@ TEST(BoneLayer, LiesAlongABoneOfAnyLength) {
 
 TEST(BoneLayer, ReportsGapsThatAreTooWide) {
   Body body = bar_body();
-  // Between the two bones, where none leads: a tenth of the diagonal is 0.042 m.
+  // The gap is between the two bones, where no bone leads. A tenth of the diagonal is 0.042 m.
   body.bones[0].to[0] = 0.11;
   body.bones[1].from[0] = 0.29;
   const Completed result = complete(body, axis_without(body, 0.115, 0.285));
@@ -120,7 +120,7 @@ TEST(BoneLayer, GoesRoundClosedVertices) {
       EXPECT_FALSE(round.is_bone[i]);
     }
   }
-  // All closed: nothing can be added, and that is told.
+  // All closed: nothing can be added, and the report says so.
   const Completed never = complete(body, start, std::vector<char>(start.size(), 1));
   EXPECT_EQ(never.report.added, 0u);
   EXPECT_EQ(never.report.islands, 2u);

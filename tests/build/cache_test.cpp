@@ -1,4 +1,4 @@
-// The cache of filled bodies: the same bits with and without it, whatever happened to its files.
+// The cache of filled bodies gives the same bits as no cache, whatever happens to its files.
 #include "host/build/cache.h"
 
 #include <array>
@@ -68,7 +68,7 @@ TEST_F(CacheTest, GivesBackWhatWasPut) {
   EXPECT_EQ(cache.find(key_a), "second");
   EXPECT_EQ(cache.find(key_b), std::string("a\0b\n", 4));
   EXPECT_FALSE(cache.find(key_c));
-  // Nothing but the entries is left behind.
+  // No temporary files are left behind.
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
 }
 
@@ -87,19 +87,19 @@ TEST_F(CacheTest, IgnoresEveryDamage) {
     std::string bad = good;
     bad[k] = static_cast<char>(bad[k] ^ 0x10);
     overwrite(entry, bad);
-    EXPECT_FALSE(cache.find(key_a)) << "byte " << k;
+    EXPECT_FALSE(cache.find(key_a)) << "flipped byte " << k;
     overwrite(entry, good.substr(0, k));
     EXPECT_FALSE(cache.find(key_a)) << "cut at " << k;
   }
   overwrite(entry, good + "x");
   EXPECT_FALSE(cache.find(key_a));
-  // The control: what damaged it was the damage.
+  // The control: the undamaged bytes are accepted again.
   overwrite(entry, good);
   EXPECT_EQ(cache.find(key_a), "some bytes");
-  // An entry under another's name.
+  // An entry under another entry's name.
   fs::copy_file(entry, folder_ / (key_b + ".entry"));
   EXPECT_FALSE(cache.find(key_b));
-  // And it is replaced.
+  // It is replaced.
   cache.put(key_b, "b");
   EXPECT_EQ(cache.find(key_b), "b");
 }
@@ -110,12 +110,12 @@ TEST_F(CacheTest, PassesByWhatIsNoFile) {
   EXPECT_FALSE(cache.find(key_a));
   cache.put(key_a, "x");
   EXPECT_FALSE(cache.find(key_a));
-  // A pipe nobody writes to must not be waited for.
+  // A FIFO without a writer must not block.
   ASSERT_EQ(::mkfifo((folder_ / (key_b + ".entry")).c_str(), 0600), 0);
   EXPECT_FALSE(cache.find(key_b));
   cache.put(key_b, "b");
   EXPECT_EQ(cache.find(key_b), "b");
-  // A folder that is a file.
+  // The cache folder's parent is a file.
   overwrite(folder_ / "file", "");
   const Cache nowhere(folder_ / "file" / "cache");
   nowhere.put(key_a, "x");
@@ -124,7 +124,7 @@ TEST_F(CacheTest, PassesByWhatIsNoFile) {
 
 TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
   const std::string bytes(1000, 'x');
-  // Room for two entries and their heads, not for three.
+  // Room for two entries with their headers, but not for three.
   const Cache cache(folder_, 2500);
   const auto set_age = [&](const std::string& key, int hours) {
     fs::last_write_time(folder_ / (key + ".entry"),
@@ -134,7 +134,7 @@ TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
   cache.put(key_b, bytes);
   set_age(key_a, 3);
   set_age(key_b, 2);
-  ASSERT_TRUE(cache.find(key_a));  // a use: now b is the older one
+  ASSERT_TRUE(cache.find(key_a));  // a use; now b is the oldest
   overwrite(folder_ / "mine.txt", bytes);
   overwrite(folder_ / "old.1-1.tmp", bytes);
   fs::last_write_time(folder_ / "old.1-1.tmp", fs::file_time_type::clock::now() - std::chrono::hours(5));
@@ -142,10 +142,10 @@ TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
   EXPECT_TRUE(cache.find(key_a));
   EXPECT_FALSE(cache.find(key_b));
   EXPECT_TRUE(cache.find(key_c));
-  // Files that are not ours stay; a dead process' temporary file goes.
+  // Other people's files stay; a stale temporary file is removed.
   EXPECT_TRUE(fs::exists(folder_ / "mine.txt"));
   EXPECT_FALSE(fs::exists(folder_ / "old.1-1.tmp"));
-  // What is larger than the whole cache is not kept and drives nothing out.
+  // An entry larger than the whole cache is not kept and evicts nothing.
   cache.put(key_b, std::string(5000, 'y'));
   EXPECT_FALSE(cache.find(key_b));
   EXPECT_TRUE(cache.find(key_a));
@@ -169,7 +169,7 @@ TEST_F(CacheTest, ManyMayWriteAndReadAtATime) {
     threads.emplace_back([&] {
       for (int k = 0; k < 10; ++k) {
         cache.put(key_a, bytes);
-        // Whatever was written last is whole.
+        // Whichever write came last, the entry is complete.
         if (cache.find(key_a) != bytes) ++wrong;
       }
     });
@@ -178,8 +178,8 @@ TEST_F(CacheTest, ManyMayWriteAndReadAtATime) {
   only_entry();
 }
 
-// Runs `work` in a process that is number 1, as it may be on another host that shares the folder; false where
-// the system allows no such process. `work` says whether all was well.
+// Runs `work` in a process with PID 1, as could happen on another host that shares the folder. `work` returns
+// whether all is well. The process exits with 2 if the system allows no PID namespaces.
 bool start_as_on_another_host(const std::function<bool()>& work, pid_t& process) {
   process = ::fork();
   if (process != 0) return process > 0;
@@ -192,7 +192,7 @@ bool start_as_on_another_host(const std::function<bool()>& work, pid_t& process)
   ::_exit(WIFEXITED(status) ? WEXITSTATUS(status) : 1);
 }
 
-// Written through temporary files of one name, one's bytes would be cut off or renamed by the other.
+// If both used one temporary file name, each could truncate or rename the other's file.
 TEST_F(CacheTest, HostsMayShareIt) {
   fs::create_directories(folder_);
   const fs::path path = folder_ / "entry";
@@ -246,7 +246,7 @@ TEST(CacheFolder, ComesFromTheEnvironment) {
     if (!value.empty()) ::setenv(name.c_str(), value.c_str(), 1);
 }
 
-// A cube of two joints, split at an edge as by a seam.
+// A cube with two joints, split along an edge like a UV seam.
 scene::Scene cube_character() {
   rig::Character character;
   character.surface = cube_surface(2.0);
@@ -280,13 +280,13 @@ TEST_F(CacheTest, AModelHasTheSameBitsWithAndWithoutIt) {
   EXPECT_EQ(without.warnings.size(), second.warnings.size());
   EXPECT_EQ(without.fill.least_barycentric, second.fill.least_barycentric);
 
-  // Another input is another entry.
+  // Different input gets a different entry.
   scene::Scene finer = scene;
   finer.resolution = 0.3;
   build::Report third;
   build::build_model(finer, third, options);
   EXPECT_FALSE(third.body_from_cache);
-  // A damaged entry is made again.
+  // A damaged entry is rebuilt.
   for (const auto& file : fs::directory_iterator(folder_)) {
     std::string bytes = content(file.path());
     bytes.back() = static_cast<char>(bytes.back() ^ 1);
@@ -299,7 +299,7 @@ TEST_F(CacheTest, AModelHasTheSameBitsWithAndWithoutIt) {
   EXPECT_TRUE(fifth.body_from_cache);
 }
 
-// Bytes with a right checksum may still be foreign, or made to harm.
+// Bytes with a valid checksum can still be foreign or malicious.
 class FilledBodyTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -338,7 +338,7 @@ class FilledBodyTest : public testing::Test {
   std::vector<build::Bone> bones_;
 };
 
-// The cut reads the clips: other poses, another body.
+// The cut reads the clips, so other poses give another body.
 TEST_F(FilledBodyTest, IsKeptUnderItsClips) {
   const auto key = [&] {
     return build::fill_key({scene_, surface_, welded_, bones_, &character_}, "programs");
@@ -380,13 +380,13 @@ TEST_F(FilledBodyTest, RefusesEveryShorterAndLongerText) {
 
 TEST_F(FilledBodyTest, NoByteCanMakeItCrash) {
   const std::string good = build::filled_body_bytes(body_, found_);
-  // Every byte at its extremes: among them the lengths of all arrays, up to 2^64 - 1.
+  // Every byte at its extremes; this covers the lengths of all arrays, up to 2^64 - 1.
   for (std::size_t k = 0; k < good.size(); ++k)
     for (const char value : {'\x00', '\x7f', '\x80', '\xff'}) {
       std::string bad = good;
       bad[k] = value;
       if (!reads(bad)) continue;
-      // What is accepted can be used.
+      // Accepted data must be safe to use.
       for (const auto& t : read_.mesh.tetrahedra)
         for (const std::uint32_t corner : t) ASSERT_LT(corner, read_.mesh.vertices.size());
       for (const std::uint32_t joint : read_.skin.joint) ASSERT_LT(joint, 2u);

@@ -1,5 +1,5 @@
-// Cages: what is found wrong with a skin, when it is wrapped, that the wrap holds all of it, and that limbs
-// which touch are not fused.
+// Cages: defects found in a skin, when a skin is wrapped, that the wrap contains all of it, and that touching
+// limbs are not fused.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,7 @@ scene::Scene scene_of(scene::Geometry geometry, scene::Cage cage = scene::Cage::
   return scene;
 }
 
-// A surface or a character's skin as the builder takes it, and what it makes of it.
+// A surface or a character's skin as the builder takes it, and the result.
 struct Filled {
   build::WeldedSurface welded;
   build::SkinWeights skin;
@@ -68,8 +68,8 @@ Filled fill(const scene::Scene& scene) {
   return filled;
 }
 
-// The smallest barycentric coordinate of any point of the skin in any tetrahedron that could hold it best,
-// searched for without the builder's homes.
+// The smallest barycentric coordinate of any skin point in its best tetrahedron; found by exhaustive search,
+// without the builder's homes.
 double least_of_all(const TetMesh& mesh, const SurfaceMesh& skin) {
   double least = 1.0;
   for (const Vector3d& p : skin.vertices) {
@@ -83,7 +83,7 @@ double least_of_all(const TetMesh& mesh, const SurfaceMesh& skin) {
   return least;
 }
 
-// At its home each.
+// The same in each point's home.
 double least_at_home(const Filled& filled) {
   double least = 1.0;
   for (std::size_t v = 0; v < filled.body.home.size(); ++v) {
@@ -101,10 +101,11 @@ double share_of(const build::SkinWeights& weights, std::uint32_t vertex, std::ui
   return 0.0;
 }
 
-// Two edges below the hips: between there and the hips the cut ends.
+// Two edges below the hips; the cut ends between here and the hips.
 constexpr double end_of_cut = -0.28;
 
-// Edges that join flesh of joint 0 to flesh of joint 1, both nearly whole, below the end of the cut.
+// Edges below the end of the cut between flesh of joint 0 and flesh of joint 1, each with a weight above
+// nearly_whole.
 std::size_t edges_between_legs(const TetMesh& mesh, const build::SkinWeights& weights,
                                double nearly_whole = 0.9) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
@@ -126,7 +127,7 @@ std::size_t parts_of(const TetMesh& mesh) {
   return roots.size();
 }
 
-// Groups of tetrahedra that faces join. One that hangs on the rest by a vertex or an edge would swing there.
+// Groups of tetrahedra connected by faces. A group attached only by a vertex or an edge could swing.
 std::size_t groups_of(const TetMesh& mesh) {
   build::Unions unions(mesh.tetrahedra.size());
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> of_face;
@@ -177,7 +178,7 @@ TEST(Findings, OfACleanSurface) {
 TEST(Findings, OfAnOpenBox) {
   const build::SurfaceFindings found = build::find_defects(open_box(), with_mesher());
   EXPECT_EQ(found.open_edges.count, 4u);
-  // The side that is gone is the cube's last: x = 1, vertices 1, 3, 5 and 7.
+  // The missing side is the cube's last: x = 1, vertices 1, 3, 5 and 7.
   EXPECT_EQ(std::set<std::uint32_t>(found.open_edges.vertices.begin(), found.open_edges.vertices.end()),
             (std::set<std::uint32_t>{1, 3, 5, 7}));
   EXPECT_EQ(found.inverted_parts.count, 0u);
@@ -222,7 +223,7 @@ TEST(Findings, OfSurfacesThatFaceWrong) {
 }
 
 TEST(Findings, CountHandles) {
-  // A square ring: the frame of a picture.
+  // A square ring, like a picture frame.
   SurfaceMesh ring;
   for (const double z : {0.0, 1.0})
     for (const double r : {1.0, 2.0})
@@ -258,7 +259,7 @@ TEST(Cage, OffRefusesWhatCannotBeFilled) {
   expect_refusal([] { fill(scene_of(open_box(), scene::Cage::off)); }, "has only one triangle");
 }
 
-// Everything that cannot be filled as it is gets a cage that can, and that holds all of it.
+// A surface that cannot be filled directly gets a cage that can and that contains all of it.
 void expect_cage(const SurfaceMesh& surface, const std::string& reason) {
   scene::Scene scene = scene_of(surface);
   scene.body.vertices = 1500;
@@ -291,12 +292,12 @@ TEST(Cage, OfCrossingBallsIsOneSolid) {
   scene.body.vertices = 3000;
   const Filled filled = fill(scene);
   EXPECT_EQ(parts_of(filled.body.mesh), 1u);
-  // Two balls of radius r whose centres are d apart, less the lens they share.
+  // Two balls of radius r with centres d apart, minus their common lens.
   constexpr double pi = 3.14159265358979, r = 0.5;
   const double d = Vector3d(0.6, 0.013, 0.007).norm();
   const double lens = pi * (4.0 * r + d) * (2.0 * r - d) * (2.0 * r - d) / 12.0;
   const double both = 2.0 * 4.0 / 3.0 * pi * r * r * r - lens;
-  // Below: balls of 24 facets around enclose 2.5 % less. Above: the 8 % a cage may add.
+  // Lower bound: balls with 24 facets around enclose 2.5 % less. Upper bound: a cage may add 8 %.
   EXPECT_GT(build::total_volume(filled.body.mesh), 0.97 * both);
   EXPECT_LT(build::total_volume(filled.body.mesh), 1.08 * both);
 }
@@ -306,7 +307,7 @@ TEST(Cage, FollowsTheResolution) {
     scene::Scene scene = scene_of(ball(0.5, 24), scene::Cage::wrap);
     scene.body.vertices = wanted;
     const auto got = static_cast<double>(fill(scene).body.mesh.vertices.size());
-    // A wanted number is a wish: TetGen's own count varies by some per cent with the shape.
+    // The number is only a target: TetGen's count varies by some per cent with the shape.
     EXPECT_NEAR(got, wanted, 0.25 * wanted);
   }
   scene::Scene scene = scene_of(ball(0.5, 24), scene::Cage::wrap);
@@ -327,12 +328,12 @@ TEST(Cage, KeptInsidesFollowTheResolution) {
 scene::Scene legs_scene(double gap) {
   scene::Scene scene = scene_of(make_legs(gap), scene::Cage::wrap);
   scene.resolution = 0.04;
-  // Gaps below 4 cm are closed over.
+  // Closes gaps below 4 cm.
   scene.body.cage_detail = 20.0;
   return scene;
 }
 
-// A box of two triangles a side, closed and facing outward.
+// A closed box, facing outward, with two triangles a side.
 SurfaceMesh box_of(const Vector3d& size) {
   SurfaceMesh box;
   for (int k = 0; k < 8; ++k)
@@ -342,23 +343,24 @@ SurfaceMesh box_of(const Vector3d& size) {
   return box;
 }
 
-// The vertices that were asked for go to its two sides. By its volume alone its edges would be a thousandth
-// of that, and the wrap around it a million times as fine.
+// The requested vertices cover the two large sides. Derived from the volume alone, edges would be a
+// thousandth of that length, and the wrap would have a million times as many vertices.
 TEST(Cage, ANearlyFlatSkinIsWrappedAsFineAsItsVerticesCoverIt) {
   for (const double height : {1e-9, 0.05}) {
     scene::Scene scene = scene_of(box_of({1.0, height, 1.0}), scene::Cage::wrap);
     scene.body.vertices = 500;
     scene.body.cage_detail = 50.0;
     const Filled filled = fill(scene);
-    // 2 m^2 by 500 vertices of equilateral triangles: 68 mm. A gap is a fiftieth of the diagonal: 28 mm.
+    // 2 m^2 covered by 500 vertices in equilateral triangles: 68 mm. A gap is a fiftieth of the diagonal: 28
+    // mm.
     EXPECT_NEAR(filled.report.fill.cage.alpha, std::sqrt(2.0) / 50.0, 1e-4) << height;
     EXPECT_GT(filled.body.mesh.vertices.size(), 200u) << height;
-    // A thin wrap is remeshed at 0.6 of the edge where coarser triangles cross: 500 / 0.6^2.
+    // A thin wrap is remeshed at 0.6 of the edge if coarser triangles cross: 500 / 0.6^2.
     EXPECT_LT(filled.body.mesh.vertices.size(), 1400u) << height;
   }
 }
 
-// A mesher that is not there is not asked.
+// The order is refused before the missing mesher is started.
 TEST(Cage, AWrapThatCannotFitIsRefusedBeforeItIsTried) {
   build::WrapOrder order;
   order.alpha = 1e-5;
@@ -369,7 +371,7 @@ TEST(Cage, AWrapThatCannotFitIsRefusedBeforeItIsTried) {
   expect_refusal([&] { build::wrap_surface(box_of({1.0, 1.0, 1.0}), order, options); }, "no such program");
 }
 
-// The control: the cage as it comes from the mesher joins the legs, and the measure sees it.
+// The control: the mesher's cage, before the cut, joins the legs, and the measure detects it.
 TEST(Legs, AreFusedByAWrapAlone) {
   const scene::Scene scene = legs_scene(0.01);
   const auto& legs = std::get<rig::Character>(scene.geometry);
@@ -382,7 +384,7 @@ TEST(Legs, AreFusedByAWrapAlone) {
   order.edge = 0.04;
   const TetMesh filled = build::tetrahedralize(build::wrap_surface(welded.surface, order, with_mesher()),
                                                0.04, {}, with_mesher());
-  // Without weights nothing is a limb of its own, so nothing is cut.
+  // Without weights there are no separate limbs, so nothing is cut.
   const build::SkinWeights no_weights;
   const std::vector<rig::Joint> no_skeleton;
   const build::Limbs limbs(welded.surface, no_weights, no_skeleton, {});
@@ -396,7 +398,7 @@ TEST(Legs, AreFusedByAWrapAlone) {
   EXPECT_GT(edges_between_legs(uncut.mesh, weights), 10u);
 }
 
-// 1 cm apart, just touching, and 3 cm deep in each other.
+// 1 cm apart, just touching, and 3 cm inside each other.
 TEST(Legs, AreNotFused) {
   for (const double gap : {0.01, 0.0002, -0.03}) {
     const Filled filled = fill(legs_scene(gap));
@@ -407,7 +409,7 @@ TEST(Legs, AreNotFused) {
     EXPECT_EQ(groups_of(filled.body.mesh), 1u) << gap;
     EXPECT_GE(least_at_home(filled), -0.05) << gap;
     EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test")) << gap;
-    // Each vertex of the skin rides on flesh that its own leg moves.
+    // Each skin vertex rides on flesh that its own leg moves.
     for (std::uint32_t v = 0; v < filled.body.home.size(); ++v)
       for (const std::uint32_t leg : {0u, 1u}) {
         if (filled.welded.surface.vertices[v].y() > end_of_cut) continue;
@@ -418,8 +420,8 @@ TEST(Legs, AreNotFused) {
   }
 }
 
-// As jaws: either leg follows the hips by half, so that they have half of all weights in common, and a clip
-// moves them along x.
+// Like jaws: each leg shares half of its weights with the hips, so the legs have half of all weights in
+// common; a clip moves them along x.
 scene::Scene jaws_scene(double gap, double way_of_left, double way_of_right) {
   rig::Character jaws = make_legs(gap);
   for (std::size_t v = 0; v < jaws.joints.size(); ++v) {
@@ -448,7 +450,7 @@ scene::Scene jaws_scene(double gap, double way_of_left, double way_of_right) {
 }
 
 TEST(Jaws, AreCutWhereAClipPartsThem) {
-  // Shares of their own joints are a half; a cage's vertex has less of it near the hips.
+  // Each leg has half of its own joint; near the hips, cage vertices have less.
   constexpr double nearly_half = 0.45, touching = 0.0002;
   const Filled open = fill(jaws_scene(touching, -0.2, 0.2));
   EXPECT_GT(open.report.fill.cage.cut_tetrahedra, 0u);
@@ -456,13 +458,13 @@ TEST(Jaws, AreCutWhereAClipPartsThem) {
   EXPECT_EQ(parts_of(open.body.mesh), 1u);
   EXPECT_GE(least_at_home(open), -0.05);
   EXPECT_NO_THROW(build::boundary_triangles(open.body.mesh, "test"));
-  // The control: weights alone do not tell them apart, nor does a clip that moves nothing.
+  // The control: weights alone do not separate them, nor does a clip without motion.
   const Filled shut = fill(jaws_scene(touching, 0.0, 0.0));
   EXPECT_EQ(shut.report.fill.cage.cut_tetrahedra, 0u);
   EXPECT_GT(edges_between_legs(shut.body.mesh, shut.weights, nearly_half), 10u);
 }
 
-// A ball with a hollow in it, a ball in the hollow, and a ball beside it.
+// A ball with a cavity, a ball in the cavity, and a ball next to it.
 SurfaceMesh hollow_balls() {
   SurfaceMesh surface = ball(0.5, 16), wall = ball(0.3, 16);
   for (auto& t : wall.triangles) std::swap(t[1], t[2]);
@@ -474,7 +476,7 @@ SurfaceMesh hollow_balls() {
 
 TEST(Shells, InsideOthersAreLeftOut) {
   SurfaceMesh surface = hollow_balls();
-  // The control: what the mesher is not made for.
+  // The control: the mesher does not support nested parts.
   expect_refusal([&] { build::tetrahedralize(surface, 0.15, {}, with_mesher()); }, "inside another part");
   build::drop_inner_shells(surface);
   SurfaceMesh outer = ball(0.5, 16);
@@ -485,8 +487,8 @@ TEST(Shells, InsideOthersAreLeftOut) {
   EXPECT_EQ(parts_of(filled), 2u);
 }
 
-// The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and
-// farther apart along it than five edges.
+// Counts fused limbs: edges whose ends are anchored on skin that has no weights in common and is more than
+// five edges apart along the surface.
 std::size_t fused_edges(const Filled& filled, const std::vector<rig::Joint>& skeleton) {
   const double edge = (filled.report.fill.cage.edges.low + filled.report.fill.cage.edges.high) / 2.0;
   constexpr double nothing = 1e-9;
@@ -501,10 +503,10 @@ std::size_t fused_edges(const Filled& filled, const std::vector<rig::Joint>& ske
   }));
 }
 
-// How far skin sticks out of the tetrahedra that it rides on.
+// How far skin sticks out of its tetrahedra.
 struct Outside {
   std::size_t vertices = 0;  // with a barycentric coordinate below -0.05
-  double farthest = 0.0;     // of these, in metres, through the face that they stick out of
+  double farthest = 0.0;     // the farthest of these, in metres, through the face they stick out of
 };
 
 Outside outside_of_cage(const build::RenderMesh& skin, const TetMesh& cage) {
@@ -524,8 +526,8 @@ Outside outside_of_cage(const build::RenderMesh& skin, const TetMesh& cage) {
 
 class CagesOfAssets : public ::testing::TestWithParam<std::pair<const char*, std::uint32_t>> {};
 
-// A ball pressed to a sheet closes, but its tetrahedra lose their height. Who made the surface has no
-// tetrahedra to mend, so that no message counts them.
+// A flattened ball is closed, but its tetrahedra have no height. Users who supply a surface cannot fix
+// tetrahedra, so no message names tetrahedra by number.
 TEST(Cage, ASheetIsToldAsAFaultOfTheSurface) {
   std::set<std::string> refusals;
   for (const double height : {1e-4, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8}) {
@@ -559,13 +561,13 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   scene.body.vertices = GetParam().second;
   Filled filled = fill(scene);
   EXPECT_FALSE(filled.body.keeps_skin);
-  // The bounds a cage must keep. The skin's own volume is below that of a fine wrap around it.
+  // The bounds for cages. The skin's own volume is less than that of a fine wrap around it.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
   const auto skin = build::embed_surface(std::get<rig::Character>(scene.geometry).surface, filled.welded,
                                          filled.body, filled.weights, filled.skin, filled.report);
-  // Toes thinner than the cage's edges: where a cut between two of them ends, a few edges still join them,
-  // and single vertices, whose own tetrahedra hung by an edge, stick out further than -0.05: one of 13,380 by
-  // 0.4 mm, a tenth of an edge there.
+  // Toes are thinner than the cage's edges. Where the cut between two toes ends, a few edges still join them.
+  // Single vertices whose tetrahedra were attached only by an edge stick out further than -0.05: one of
+  // 13,380, by 0.4 mm, a tenth of an edge there.
   const bool has_toes = std::string(GetParam().first).rfind("mh_", 0) == 0;
   const Outside outside = outside_of_cage(skin, filled.body.mesh);
   EXPECT_LE(outside.vertices, has_toes ? 2u : 0u);
@@ -578,7 +580,7 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test"));
 }
 
-// A quarter of the default, for the tests' time, where the thinnest parts allow it.
+// A quarter of the default, to save time, if the thinnest parts allow it.
 INSTANTIATE_TEST_SUITE_P(Files, CagesOfAssets,
                          ::testing::Values(std::pair{"CesiumMan.glb", 5000u},
                                            std::pair{"animals_pack_Fox.glb", 5000u},

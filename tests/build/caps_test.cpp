@@ -1,4 +1,4 @@
-// Open ends of a skin: which are closed, with what, and that what they surround is solid then.
+// Open ends of a skin: which are capped, with what, and that the limbs are then solid.
 #include "host/build/caps.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using Fate = build::OpenEnd::Fate;
 
 constexpr std::uint32_t around = 24;
 
-// A tube along y from `low` to `high` about (x, 0), open at the ends that are told.
+// A tube along y from `low` to `high` around (x, 0), open at the given ends.
 SurfaceMesh upright(double x, double low, double high, double radius, bool open_low, bool open_high) {
   std::vector<Vector3d> line;
   constexpr double step = 0.025;
@@ -39,8 +39,9 @@ SurfaceMesh upright(double x, double low, double high, double radius, bool open_
   return build::weld(mesh, "test", report).surface;
 }
 
-// A skirt of joint 0 from the hips down to y = 0, open there, closed at the top, and in it two legs, of
-// joints 1 and 2, that hang out of it; open at the top, in the skirt, or whole and reaching up to its top.
+// A skirt of joint 0 from the hips down to its hem at y = 0, closed at the top. Two legs, of joints 1 and 2,
+// come out of it. They are either open at the top, inside the skirt, or closed and reach almost to the
+// skirt's top.
 rig::Character dressed(bool legs_are_open) {
   rig::Character character;
   const auto add = [&](const SurfaceMesh& mesh, std::uint32_t joint) {
@@ -85,7 +86,7 @@ double area_of(const SurfaceMesh& mesh, const build::OpenEnd& end) {
   return area;
 }
 
-// Edges of an odd number of triangles.
+// Edges with an odd number of triangles.
 std::size_t odd_edges(const SurfaceMesh& mesh) {
   std::map<std::array<std::uint32_t, 2>, int> count;
   for (const auto& t : mesh.triangles)
@@ -99,7 +100,7 @@ TEST(Caps, CloseATube) {
   const SurfaceMesh pipe = upright(0.0, 0.0, 1.0, 0.1, true, true);
   const auto ends = ends_of(pipe);
   ASSERT_EQ(ends.size(), 2u);
-  // A regular polygon of 24 corners, whose opposite ones are two radii apart.
+  // A regular 24-gon; opposite corners are two radii apart.
   const double area = 0.5 * around * 0.01 * std::sin(2.0 * 3.14159265358979 / around);
   for (const build::OpenEnd& end : ends) {
     EXPECT_EQ(end.fate, Fate::closed);
@@ -112,7 +113,7 @@ TEST(Caps, CloseATube) {
 }
 
 TEST(Caps, OfAConcaveEndStayInside) {
-  // The side of a prism over the letter L, two squares long each way, and a bottom far below.
+  // The side of a prism over an L that is two squares long each way, with a distant bottom.
   const std::vector<std::array<double, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   SurfaceMesh prism;
   for (const double z : {0.0, 5.0})
@@ -124,7 +125,7 @@ TEST(Caps, OfAConcaveEndStayInside) {
   }
   const auto ends = ends_of(prism);
   ASSERT_EQ(ends.size(), 2u);
-  // What covers an L of three squares without overlap has its area; a fan to its middle would have more.
+  // A cover of an L of three squares without overlap has exactly its area; a fan around its centre has more.
   for (const build::OpenEnd& end : ends) EXPECT_NEAR(area_of(prism, end), 3.0, 1e-12);
 }
 
@@ -142,7 +143,7 @@ TEST(Caps, LeaveNoGapWhereALoopIsLong) {
 }
 
 TEST(Caps, CloseLoopsThatShareAVertexAndEdgesOfThreeTriangles) {
-  // Two sides of a box gone that meet in one corner, and a fin on one of its edges.
+  // A box with two missing triangles that meet in one corner, and a fin on one of its edges.
   SurfaceMesh box = cube_surface(1.0);
   box.triangles.erase(box.triangles.begin(), box.triangles.begin() + 1);
   std::erase_if(box.triangles, [](const auto& t) { return t == std::array<std::uint32_t, 3>{1, 7, 5}; });
@@ -153,7 +154,7 @@ TEST(Caps, CloseLoopsThatShareAVertexAndEdgesOfThreeTriangles) {
 }
 
 TEST(Caps, LeaveSheetsOpen) {
-  // A cape: half a pipe. And a flat lock of hair.
+  // A cape (half a pipe) and a flat strand of hair.
   for (const double bend : {3.14159265358979, 0.01}) {
     SurfaceMesh sheet;
     constexpr std::uint32_t wide = 12, high = 12;
@@ -185,11 +186,11 @@ TEST(Caps, LeaveAHemOpenAroundWholeLegs) {
   const auto ends = ends_of(dressed(false));
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].fate, Fate::hem);
-  // Without weights nothing tells two legs from one.
+  // Without weights the two legs cannot be told apart.
   EXPECT_EQ(ends_of(dressed(false).surface)[0].fate, Fate::closed);
 }
 
-// Legs and skirt as above: 25 mm of gaps would be closed, the legs are 120 wide.
+// Legs and skirt as above. Gaps of 25 mm would be closed; the legs are 120 mm wide.
 TEST(Caps, MakeLimbsSolid) {
   scene::Scene scene = bar_scene();
   const rig::Character character = dressed(true);
@@ -203,14 +204,14 @@ TEST(Caps, MakeLimbsSolid) {
   const build::BodyMesh body =
       build::make_body_mesh({welded, skin, character.skeleton, {}}, scene, report, with_mesher());
   constexpr double pi = 3.14159265358979;
-  // Below the hem both legs, each with its point of half a radius; above it the skirt with its own.
+  // Below the hem, both legs with their tips of half a radius; above it, the skirt with its tip.
   const double legs = 2.0 * pi * 0.06 * 0.06 * (0.5 + 0.01), skirt = pi * 0.2 * 0.2 * (0.4 + 0.1 / 3.0);
-  // Polygons of 24 corners have 1.1 % less; a cage may add 8 %, as those of assets.
+  // Polygons with 24 corners have 1.1 % less; a cage may add 8 %, as in the tests with assets.
   EXPECT_GT(build::total_volume(body.mesh), 0.97 * (legs + skirt));
   EXPECT_LT(build::total_volume(body.mesh), 1.08 * (legs + skirt));
   EXPECT_EQ(report.fill.cage.ends.joint, (std::vector<std::int32_t>{0, 1, 2}));
 
-  // The control: a wrap of the skin as it is goes inside.
+  // The control: a wrap of the uncapped skin goes inside.
   build::WrapOrder order;
   order.alpha = order.edge.emplace(0.025);
   const mesh::TetMesh hollow = build::tetrahedralize(

@@ -1,4 +1,4 @@
-// Which flesh the scene keeps from meeting: names, layers and paint, and what of it comes into the model.
+// Which flesh a scene excludes from contact: by names, layers and paint, and the resulting model arrays.
 #include "host/build/contact_groups.h"
 
 #include <algorithm>
@@ -29,8 +29,8 @@ namespace {
 using model::Model;
 using scene::Vector3d;
 
-// A bar of 0.4 m with an arm up to x = 0.2, on it a hand up to 0.3 and a finger from there on. Half of the
-// weights at 0.2 are the hand's. The skin is one object of two materials, painted with x.
+// A bar of 0.4 m: an arm up to x = 0.2, a hand up to 0.3, then a finger. At 0.2 half of the weight is the
+// hand's. The skin is one object with one material, painted with x / 0.4.
 struct ArmBar {
   build::Body body;
   std::vector<std::uint32_t> layer;  // 1 in the upper half
@@ -83,7 +83,7 @@ TEST(ContactGroups, AreEmptyWhereNothingIsSaid) {
   EXPECT_TRUE(groups.groups.empty());
 }
 
-// A joint's flesh is that of those below it too, and what it shares by half.
+// A joint's flesh includes that of its descendants, and vertices where it has half of the weight.
 TEST(ContactGroups, NamesAreJointsLayersObjectsAndMaterials) {
   ArmBar bar;
   const build::ContactGroups groups =
@@ -114,12 +114,12 @@ TEST(ContactGroups, NamesAloneLayersAndPaintMeetNothing) {
   expect(bar.groups({}, "", false), bar, [&](std::size_t i) { return bar.layer[i] == 1; });
   expect(bar.groups({{"finger"}}, "", false), bar,
          [&](std::size_t i) { return bar.layer[i] == 1 || bar.x(i) > 0.299; });
-  // Paint at a half is paint: 0.2 m is left out here, as rounding decides there.
+  // Paint of one half counts as painted. Skips x = 0.2, where rounding decides.
   const build::ContactGroups painted = bar.groups({}, "_CONTACT");
   ASSERT_EQ(painted.meets_nothing.size(), bar.layer.size());
   for (std::size_t i = 0; i < bar.layer.size(); ++i) {
     if (std::abs(bar.x(i) - 0.2) < 1e-3) continue;
-    // Inside, the nearest skin may be an end's, which has the end's paint.
+    // Inside, the nearest skin may be on an end face, which has the paint of that end.
     EXPECT_EQ(painted.meets_nothing[i] != 0, bar.x(i) < 0.2) << bar.x(i);
   }
 }
@@ -158,7 +158,7 @@ TEST(ContactGroups, HaveABitForEachOf32Names) {
   expect_refusal([&] { bar.groups(ignore); }, "contact.ignore: its pairs have more than 32 names");
 }
 
-// With contact.self false, beside the names of pairs.
+// With contact.self false, in addition to the bits for named pairs.
 TEST(ContactGroups, CharactersThatDoNotMeetThemselvesHaveABitEach) {
   ArmBar bar;
   bar.body.members = {{0, Vector3d::Zero(), false}, {1, Vector3d::Zero(), false}};
@@ -193,7 +193,7 @@ int corners_where(const Model& m, std::size_t t, const auto& is_there) {
   return count;
 }
 
-// What meets nothing is in no array; what is left stays in its order.
+// Excluded flesh is in no array; the rest keeps its order.
 TEST(WriteContactGroups, FleshThatMeetsNothingIsLeftOut) {
   Model all = grouped_bar(), m = all;
   build::write_contact(on(), "test", all);
@@ -216,8 +216,8 @@ TEST(WriteContactGroups, FleshThatMeetsNothingIsLeftOut) {
   }
   EXPECT_EQ(m.contact_tetrahedron, tetrahedra);
   EXPECT_LT(points.size(), all.contact.size());
-  // Depth begins at the cut too: no deeper than before, and as deep as the nearest side that one tetrahedron
-  // of those that are left has alone.
+  // The cut is a boundary for the depth too: depths only shrink, and each is the distance to the nearest face
+  // that only one remaining tetrahedron has.
   std::map<std::array<std::uint32_t, 3>, int> sides;
   for (std::size_t t = 0; t < tetrahedra.size(); t += 4)
     for (std::size_t without = 0; without < 4; ++without) {
@@ -258,7 +258,7 @@ TEST(WriteContactGroups, SomethingMustBeLeft) {
   EXPECT_FALSE(m.has_contact());
 }
 
-// Two ends that do not meet each other; the left end does not meet itself either.
+// The two ends ignore each other; the left end also ignores itself.
 TEST(WriteContactGroups, PairsAreMasksOfPointsAndTetrahedra) {
   Model m = grouped_bar();
   const auto is_left = [&](std::uint32_t i) { return rest_x(m, i) < 0.3; };
@@ -280,7 +280,8 @@ TEST(WriteContactGroups, PairsAreMasksOfPointsAndTetrahedra) {
       ignored += expected ? 1 : 0;
     }
   EXPECT_GT(ignored, 1000u);
-  // Beyond an end depth begins where it ends; in it the numbers are nobody's.
+  // For points that ignore an end, the depth starts at that end's boundary. Depths inside the ignored end are
+  // never used.
   for (std::uint32_t p = 0; p < m.contact.size(); ++p) {
     std::size_t begins = 0;
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
@@ -289,10 +290,10 @@ TEST(WriteContactGroups, PairsAreMasksOfPointsAndTetrahedra) {
     }
     EXPECT_EQ(begins > 0, m.contact_ignored[p] != 0);
   }
-  for (const std::uint32_t of : m.contact_group) EXPECT_LT(of, 4u) << "nobody ignores the fourth";
+  for (const std::uint32_t of : m.contact_group) EXPECT_LT(of, 4u) << "no group ignores the fourth";
 }
 
-// Groups that nobody ignores leave no trace.
+// Groups that nothing ignores leave no trace.
 TEST(WriteContactGroups, CostNothingWhereNothingIsIgnored) {
   Model all = grouped_bar(), m = all;
   build::write_contact(on(), "test", all);

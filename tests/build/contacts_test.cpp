@@ -1,4 +1,4 @@
-// From a body's rest shape to a Model's contact arrays, against a look at everything.
+// The contact arrays built from a body's rest shape, compared with exhaustive searches.
 #include "host/build/contacts.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ Place3 rest_place_of(const Model& m, std::uint32_t i) {
 
 using Side = std::array<std::uint32_t, 3>;
 
-// Sides that one tetrahedron has alone.
+// Faces of only one tetrahedron.
 std::vector<Side> outer_sides(const Model& m) {
   std::vector<Side> sides, outer;
   for (std::size_t t = 0; t < m.tetrahedron.size(); t += 4)
@@ -75,7 +75,7 @@ TEST(WriteContact, DoesNothingUnlessAsked) {
   EXPECT_TRUE(m.mobility.empty());
   EXPECT_TRUE(m.contact_tetrahedron.empty());
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) make_kinematic(m, i);
-  EXPECT_FALSE(with_contact(m).has_contact()) << "where nothing can move";
+  EXPECT_FALSE(with_contact(m).has_contact()) << "if nothing can move";
 }
 
 TEST(WriteContact, PointsAreTheBoundaryAndDepthsTheDistanceToIt) {
@@ -119,8 +119,8 @@ TEST(WriteContact, PointsAreTheBoundaryAndDepthsTheDistanceToIt) {
   EXPECT_EQ(with_contact(halved, settings).contact[0].margin, 0.5f) << "in working units";
 }
 
-// A tenth of the diagonal, and where the mesh is coarse four mean edges of its surface; and a millionth of an
-// edge.
+// The upper limit is a tenth of the diagonal, or four mean surface edges if the mesh is coarse. The lower
+// limit is a millionth of an edge.
 TEST(WriteContact, RefusesADistanceBeyondTheBody) {
   const auto is_taken = [](const Model& m, double distance) {
     scene::ContactSettings settings = self_contact();
@@ -133,7 +133,7 @@ TEST(WriteContact, RefusesADistanceBeyondTheBody) {
       return false;
     }
   };
-  // 16 x 4 x 4 cells: the diagonal is 17 edges of a cell, the mean edge of the surface about 1.2.
+  // 16 x 4 x 4 cells: the diagonal is 17 cells long, and the mean surface edge about 1.1 cells.
   Model m = make_model(kuhn_bar(16, 4, 4, 0.0625));
   const double edge = 0.0625 * (2.0 + std::sqrt(2.0)) / 3.0;
   EXPECT_TRUE(is_taken(m, 3.99 * edge));
@@ -168,8 +168,8 @@ double size_of_rest_boxes(const Model& m) {
   return sum;
 }
 
-// All tetrahedra, each once, corners in their order; in such an order that those of a leaf lie together. The
-// boxes are no larger than the tetrahedra.
+// Contains every tetrahedron once, with its corners in order, sorted so that a leaf's tetrahedra are close
+// together. The boxes fit the tetrahedra.
 TEST(WriteContact, TetrahedraLieTogetherInTightBoxes) {
   const Model m = with_contact(make_model(jittered(kuhn_bar(14, 8, 8, 0.0625), 0.0625 / 64.0, 6, 3)));
   ASSERT_GT(m.contact_branch_count(), 1u);
@@ -180,7 +180,8 @@ TEST(WriteContact, TetrahedraLieTogetherInTightBoxes) {
   EXPECT_EQ(m.contact_number, again.contact_number);
   EXPECT_EQ(m.contact_offset, again.contact_offset);
   EXPECT_EQ(m.contact_entry, again.contact_entry);
-  // Cubes of 32 tetrahedra are six in volume, and along the rows of the mesh they are long.
+  // 32 tetrahedra in a compact cube have the volume of about six cells; in the mesh's order they form long
+  // rows.
   again.contact_tetrahedron = again.tetrahedron;
   finish_contact(again);
   EXPECT_LT(1.25 * size_of_rest_boxes(m), size_of_rest_boxes(again));
@@ -201,7 +202,7 @@ TEST(WriteContact, APlainBarHasNoGaps) {
   EXPECT_TRUE(with_contact(a_bar()).contact_near.empty());
 }
 
-// Two fingers along x, 0.1 apart, that hang together at their roots; the upper one's tip `bent` down.
+// Two fingers along x, 0.1 apart and joined at the roots; the tip of the upper one is bent down by `bent`.
 Model two_fingers(double bent) {
   Mesh all = jittered(kuhn_bar(8, 5, 2, 0.1), 0.1 / 64.0, 6, 5), mesh;
   std::vector<std::uint32_t> number(all.points.size(), 0);
@@ -237,7 +238,7 @@ Model fingers_in_contact(double bent) {
   return with_contact(two_fingers(bent), settings);
 }
 
-// The ways along edges from a vertex to all, by letting every edge shorten them until none does.
+// Path lengths along edges from one vertex to all others, by relaxing every edge until nothing changes.
 std::vector<double> ways_from(const Model& m, std::uint32_t from) {
   std::vector<double> way(m.vertex_count, std::numeric_limits<double>::infinity());
   way[from] = 0.0;
@@ -263,7 +264,7 @@ std::vector<std::uint32_t> near_of(const Model& m, const shader::ContactPoint& p
   return near;
 }
 
-// One and a half margins far, three times that along the flesh.
+// At most one and a half margins apart, and at least three times that along the flesh.
 TEST(WriteContact, FingersFindEachOtherAcrossTheGap) {
   const Model m = fingers_in_contact(0.0);
   check_model(m);
@@ -277,7 +278,7 @@ TEST(WriteContact, FingersFindEachOtherAcrossTheGap) {
         expected.push_back(i);
     EXPECT_EQ(near_of(m, point), expected) << point.vertex;
     for (const std::uint32_t i : expected) {
-      EXPECT_NE(x.y() > 0.25, rest_place_of(m, i).y() > 0.25) << "of the same finger";
+      EXPECT_NE(x.y() > 0.25, rest_place_of(m, i).y() > 0.25) << "neighbour on the same finger";
       ++across;
     }
     if (x.x() < 0.25) {
@@ -288,7 +289,7 @@ TEST(WriteContact, FingersFindEachOtherAcrossTheGap) {
   EXPECT_GT(across, 100u);
 }
 
-// How deep a point rests in the first tetrahedron that it may meet from the beginning; 0 in none.
+// How deep a point rests in the first tetrahedron across a gap that contains it; 0 if there is none.
 double rest_depth(const Model& m, const shader::ContactPoint& point) {
   const std::vector<std::uint32_t> near = near_of(m, point);
   for (std::size_t t = 0; t < m.contact_tetrahedron.size(); t += 4) {
@@ -312,7 +313,7 @@ double rest_depth(const Model& m, const shader::ContactPoint& point) {
   return 0.0;
 }
 
-// How far the body has gone in a tenth of a second, working units.
+// How far the body moves in a tenth of a second without forces, in working units.
 double motion_in_peace(const Model& m) {
   const auto solver = cpu_reference::make_cpu_solver(m, {}, 1);
   TestDrive quiet = quiet_drive(m, 1.0 / 480.0, 48);
@@ -324,7 +325,7 @@ double motion_in_peace(const Model& m) {
   return double{largest};
 }
 
-// A body that lies in itself at rest stays as it is. The control: were nothing allowed, it would burst.
+// A body that overlaps itself at rest stays at rest. The control: without the allowance it bursts apart.
 TEST(WriteContact, WhatOverlapsAtRestIsAllowedTo) {
   Model m = fingers_in_contact(0.17);
   check_model(m);

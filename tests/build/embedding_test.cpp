@@ -22,8 +22,8 @@ using build::WeldedSurface;
 using mesh::TetMesh;
 using scene::Vector3d;
 
-// The tetrahedron in which a point lies deepest, by looking at all: coordinates from a linear solve where the
-// library takes determinants.
+// The tetrahedron in which a point is deepest, by exhaustive search; it solves a linear system where the
+// library uses determinants.
 std::uint32_t deepest(const TetMesh& mesh, const Vector3d& point) {
   std::uint32_t best = 0;
   double depth = -1e300;
@@ -40,7 +40,7 @@ std::uint32_t deepest(const TetMesh& mesh, const Vector3d& point) {
   return best;
 }
 
-// Points as a skin: triangles of three in turn.
+// Points as a skin; every three consecutive points form a triangle.
 WeldedSurface skin_of(const std::vector<Vector3d>& points) {
   WeldedSurface welded;
   welded.surface.vertices = points;
@@ -70,7 +70,7 @@ std::vector<Vector3d> points_within(const Vector3d& size, std::size_t count) {
   return points;
 }
 
-// As kernel/embed.inc does it, in floats.
+// The arithmetic of kernel/embed.inc, in floats.
 Eigen::Vector3f carried(const RenderMesh& render, std::size_t vertex,
                         const std::vector<Eigen::Vector3f>& at) {
   std::array<float, 4> w{};
@@ -117,8 +117,7 @@ TEST(Embedding, RestPoseAndRigidMotionsComeBackInFloats) {
         sum += static_cast<float>(w);
       }
       EXPECT_EQ(sum, 1.0f);
-      // The body is 1 m long: 1e-6 of it. Positions and weights are rounded by 2^-25 each, products and sums
-      // too.
+      // 1e-6 of the body, which is 1 m long. Positions, weights, products and sums are each rounded by 2^-25.
       EXPECT_LT((carried(render, v, at).cast<double>() - motion * welded.surface.vertices[v]).norm(), 1e-6);
     }
   }
@@ -151,7 +150,7 @@ TEST(Embedding, BothSidesOfASeamRideAlike) {
   EXPECT_EQ(render.weights[1], render.weights[3]);
 }
 
-// Two limbs in one place: the bar twice, the first moved by joint 0 and the second by joint 1.
+// Two overlapping limbs: two copies of the bar, the first moved by joint 0 and the second by joint 1.
 struct TwoLimbs {
   TetMesh mesh;
   SkinWeights weights;
@@ -183,7 +182,7 @@ SkinWeights all_on(std::uint32_t joint, std::size_t count) {
 }
 
 TEST(Embedding, AVertexRidesOnTheLimbThatItsJointsMove) {
-  // The second limb lies over most of the first; homes are all in the first, the wrong one.
+  // The second limb overlaps most of the first. All homes are in the first limb, which is wrong for joint 1.
   const TwoLimbs limbs = two_limbs({0.3, 0, 0});
   const std::vector<Vector3d> points = points_within({0.65, 0.5, 0.5}, 100);
   std::vector<Vector3d> in_both;
@@ -205,12 +204,12 @@ TEST(Embedding, AVertexRidesOnTheLimbThatItsJointsMove) {
 }
 
 TEST(Embedding, ALittleOutOfTheRightLimbIsBetterThanInsideTheWrongOne) {
-  // The second limb begins at x = 0.9; a vertex of it lies 0.01 before, inside the first limb.
+  // The second limb begins at x = 0.9; one of its vertices is 0.01 before that, inside the first limb.
   const TwoLimbs limbs = two_limbs({0.9, 0, 0});
   const WeldedSurface welded = skin_of({{0.89, 0.2, 0.3}, {0.95, 0.2, 0.3}, {0.95, 0.3, 0.3}});
   BodyMesh body = cage_of(build::make_bar(cage_bar, "test"), welded);
   body.mesh = limbs.mesh;
-  // Its home is where its own limb is nearest.
+  // Its home is the nearest tetrahedron of its own limb.
   double most = -1.0;
   for (std::size_t i = body.mesh.tetrahedra.size() / 2; i < body.mesh.tetrahedra.size(); ++i) {
     const auto weights = build::barycentric(body.mesh, body.mesh.tetrahedra[i], welded.surface.vertices[0]);
@@ -226,7 +225,7 @@ TEST(Embedding, ALittleOutOfTheRightLimbIsBetterThanInsideTheWrongOne) {
   for (const std::uint32_t corner : render.corners[0]) EXPECT_EQ(limbs.weights.joint[corner], 1u);
   EXPECT_LT(report.fill.least_barycentric, 0.0);
   EXPECT_EQ(report.fill.riders_outside, 1u);
-  // The control: the same place with the other limb's weights.
+  // The control: the same position with the other limb's weights.
   build::Report other_report;
   const RenderMesh other =
       build::embed_surface(welded.surface, welded, body, limbs.weights, all_on(0, 3), other_report);
@@ -236,7 +235,7 @@ TEST(Embedding, ALittleOutOfTheRightLimbIsBetterThanInsideTheWrongOne) {
 
 TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
   const TwoLimbs limbs = two_limbs({5, 0, 0});
-  // Vertex 4 of the file, 3 once welded, lies half a cell outside.
+  // Vertex 4 of the file, 3 after welding, is half a cell outside.
   WeldedSurface welded = skin_of({{0.1, 0.2, 0.3}, {0.2, 0.2, 0.3}, {0.3, 0.3, 0.3}, {-0.06, 0.2, 0.2}});
   mesh::SurfaceMesh surface = welded.surface;
   surface.vertices.insert(surface.vertices.begin(), surface.vertices[0]);
@@ -244,7 +243,7 @@ TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
   body.mesh = limbs.mesh;
   welded.of_vertex = {0, 0, 1, 2, 3};
   SkinWeights skin = all_on(0, 4);
-  skin.joint[2] = 7;  // a joint that moves nothing of the body: vertex 3 of the file
+  skin.joint[2] = 7;  // a joint that moves no part of the body; vertex 3 of the file
   build::Report report;
   build::embed_surface(surface, welded, body, limbs.weights, skin, report);
   EXPECT_EQ(report.fill.riders_outside, 1u);
@@ -254,7 +253,7 @@ TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
       << report.warnings[0].text;
   EXPECT_NE(report.warnings[1].text.find("vertex 3 of the file"), std::string::npos)
       << report.warnings[1].text;
-  // Where rigid parts are out, what is left has other numbers in the file.
+  // Without the rigid parts, the remaining vertices have other numbers in the file.
   welded.file_vertex = {10, 11, 12, 23, 24};
   build::Report of_soft_skin;
   build::embed_surface(surface, welded, body, limbs.weights, skin, of_soft_skin);
@@ -274,12 +273,12 @@ TEST(Embedding, AgreementIsTheCommonPart) {
   EXPECT_EQ(build::weight_agreement(skin, 0, skin, {1, 2, 1, 2}, {0.5, 0.5, 0, 0}), 0.5);
 }
 
-// A cage's boundary takes weights from its anchors, not from what lies near.
+// A cage's boundary takes weights from its anchors, not from nearby skin.
 TEST(SkinWeights, OfACageComeFromItsAnchors) {
   BodyMesh body;
   body.keeps_skin = false;
   body.mesh = build::make_bar({.size = {1, 0.5, 0.5}, .vertices = {11, 6, 6}, .jitter = 0.2}, "test");
-  // One long triangle along x, far away; weight of joint 1 grows along it.
+  // One long distant triangle along x; the weight of joint 1 grows along it.
   const WeldedSurface welded = skin_of({{0, 9, 0}, {1, 9, 0}, {0, 9, 1}});
   SkinWeights skin;
   skin.offset = {0, 1, 2, 3};

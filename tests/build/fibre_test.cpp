@@ -1,4 +1,4 @@
-// The fibre field: against a dense solve, a closed form and itself; and what it is held to.
+// The fibre field, compared with a dense solve and a closed form; and its constraints.
 #include "host/build/fibre.h"
 
 #include <cmath>
@@ -41,7 +41,7 @@ FibreSolution solve(const Mesh& mesh, const std::vector<FibreConstraint>& constr
   return build::solve_fibre_field(mesh.tets.vertices, mesh.rings, constraints, options);
 }
 
-// The direction at each end of the bar.
+// Constraints at both ends of the bar.
 std::vector<FibreConstraint> at_ends(const Mesh& mesh, const Vector3d& low, const Vector3d& high) {
   std::vector<FibreConstraint> constraints;
   for (std::uint32_t i = 0; i < mesh.tets.vertices.size(); ++i) {
@@ -52,7 +52,7 @@ std::vector<FibreConstraint> at_ends(const Mesh& mesh, const Vector3d& low, cons
   return constraints;
 }
 
-// Equations (1) to (3) as they are printed, as one dense least-squares problem; unit rows.
+// Equations (1) to (3) as printed, as one dense least-squares problem; rows are normalised.
 Eigen::MatrixX3d dense_solution(const Mesh& mesh, const std::vector<FibreConstraint>& constraints) {
   const auto& q = mesh.tets.vertices;
   double edge = 0.0;
@@ -85,17 +85,18 @@ TEST(FibreField, IsTheDenseLeastSquaresSolution) {
   const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, Vector3d(1, 2, -1).normalized());
   const Eigen::MatrixX3d dense = dense_solution(mesh, constraints);
   const FibreSolution field = solve(mesh, constraints, {.tolerance = 1e-12, .most_rounds = 1});
-  // The residual is 1e-12 of the right side, and the least squares of a bar 7 vertices long lose 1e4 of it.
+  // The residual is 1e-12 of the right-hand side; the least squares of a bar 7 vertices long amplify it by
+  // 1e4.
   for (Eigen::Index i = 0; i < dense.rows(); ++i)
     EXPECT_LE((dense.row(i).transpose() - field.direction[static_cast<std::size_t>(i)]).norm(), 1e-7);
-  // All to one side: there is no sign to settle, and the lines are the same field.
+  // All directions are on one side, so no sign needs to change and the field of lines is the same.
   const FibreSolution lines = solve(mesh, constraints, {.tolerance = 1e-12});
   EXPECT_EQ(lines.rounds, 1u);
   for (std::size_t i = 0; i < lines.direction.size(); ++i)
     EXPECT_LE((lines.direction[i] - field.direction[i]).norm(), 1e-12);
 }
 
-// The control: the comparison sees another lambda.
+// The control: the comparison detects another lambda.
 TEST(FibreField, DiffersFromTheDenseSolutionWithAnotherLambda) {
   const Mesh mesh = bar_mesh({7, 4, 4}, 0.3);
   const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, Vector3d(1, 2, -1).normalized());
@@ -112,7 +113,7 @@ TEST(FibreField, IsStraightInAStraightBar) {
     const Mesh mesh = bar_mesh({21, 5, 5}, jitter);
     const FibreSolution field = solve(mesh, at_ends(mesh, {1, 0, 0}, {1, 0, 0}));
     EXPECT_TRUE(field.has_converged);
-    // Constant fields solve (1) exactly; 1e-8 of the residual over a bar 20 edges long.
+    // Constant fields solve (1) exactly; the tolerance is 1e-8 of the residual, over a bar 20 edges long.
     for (const Vector3d& d : field.direction) EXPECT_LE((d - Vector3d(1, 0, 0)).norm(), 1e-5);
   }
 }
@@ -122,7 +123,7 @@ TEST(FibreField, KeepsItsConstraints) {
   const Vector3d low = Vector3d(1, 1, 0).normalized(), high = Vector3d(1, -1, 1).normalized();
   const std::vector<FibreConstraint> constraints = at_ends(mesh, low, high);
   const FibreSolution field = solve(mesh, constraints);
-  // lambda is 1e3 and the other terms are of size 1 at most: directions give way by a thousandth.
+  // lambda is 1e3 and the other terms are at most 1, so directions deviate by about a thousandth.
   for (const FibreConstraint& c : constraints)
     EXPECT_LE((field.direction[c.vertex] - c.direction).norm(), 2e-3);
   for (const Vector3d& d : field.direction) EXPECT_NEAR(d.norm(), 1.0, 1e-12);
@@ -135,15 +136,15 @@ TEST(FibreField, DoesNotDependOnTheUnit) {
   for (Vector3d& p : mesh.tets.vertices) p *= 1024.0;
   const FibreSolution scaled = solve(mesh, constraints);
   for (std::size_t i = 0; i < metres.direction.size(); ++i)
-    EXPECT_EQ(metres.direction[i], scaled.direction[i]);  // a power of two rounds nothing
+    EXPECT_EQ(metres.direction[i], scaled.direction[i]);  // a power of two causes no rounding
   for (Vector3d& p : mesh.tets.vertices) p *= 0.001;
   const FibreSolution other = solve(mesh, constraints);
   for (std::size_t i = 0; i < metres.direction.size(); ++i)
     EXPECT_LE((metres.direction[i] - other.direction[i]).norm(), 1e-6);
 }
 
-// Opposed directions that meet mean lines that lie close together: here 20 degrees apart, and each vertex
-// between lies between them. As printed, the equations turn the long way round, by 160 degrees: the control.
+// Directions that are nearly opposed mean lines that are nearly parallel, here 20 degrees apart; vertices in
+// between lie in that range. The control: the equations as printed turn the long way round, by 160 degrees.
 TEST(FibreField, TakesOpposedDirectionsForLinesThatLieClose) {
   const Mesh mesh = bar_mesh({22, 6, 6}, 0.1);
   const double tilt = 20.0 / 180.0 * std::numbers::pi;
@@ -163,7 +164,7 @@ TEST(FibreField, TakesOpposedDirectionsForLinesThatLieClose) {
   };
   const FibreSolution lines = solve(mesh, constraints);
   EXPECT_GT(lines.rounds, 1u);
-  // The equations are of second differences and may overshoot a step by a few degrees.
+  // The equations contain second differences and may overshoot a step by a few degrees.
   EXPECT_GT(least_along_x(lines), std::cos(1.5 * tilt));
   EXPECT_LT(least_along_x(solve(mesh, constraints, {.most_rounds = 1})), std::cos(2.0 * tilt));
 }
@@ -172,7 +173,7 @@ TEST(FibreField, IsNothingWhereNothingIsSaid) {
   Mesh mesh = bar_mesh({5, 3, 3}, 0.0);
   const FibreSolution none = solve(mesh, {});
   for (const Vector3d& d : none.direction) EXPECT_EQ(d, Vector3d(Vector3d::Zero()));
-  // A second bar, which touches nothing.
+  // A second bar, disconnected from the first.
   const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, {1, 0, 0});
   const auto count = static_cast<std::uint32_t>(mesh.tets.vertices.size());
   for (std::uint32_t i = 0; i < count; ++i)
@@ -198,7 +199,7 @@ TEST(FibreField, HasTheSameBitsEveryTime) {
   for (std::size_t i = 0; i < a.direction.size(); ++i) EXPECT_EQ(a.direction[i], b.direction[i]);
 }
 
-// A bar with a bone along it: the core is bone, the rest follows the field.
+// A bar with a bone along it: the core is bone, the rest follows the fibre field.
 scene::Scene boned_bar() {
   scene::Scene scene = bar_scene();
   scene.bones = {{"bone", {0.0, 0.04, 0.04}, {0.4, 0.05, 0.04}}};
@@ -238,7 +239,7 @@ TEST(FibreConstraints, FollowTheBoneInsideAndTheSkinOutside) {
     }
     ASSERT_TRUE(on_skin[c.vertex]);
     const Vector3d& p = body.mesh.vertices[c.vertex];
-    // Away from edges and ends the skin's normal is y or z.
+    // Away from edges and ends the normal of the skin is y or z.
     if (p[0] < 0.01 || p[0] > 0.39) continue;
     const bool y = p[1] < 1e-9 || p[1] > 0.08 - 1e-9, z = p[2] < 1e-9 || p[2] > 0.08 - 1e-9;
     if (y && z) continue;
@@ -272,8 +273,8 @@ TEST(FibreConstraints, FollowPaint) {
   const scene::Scene scene = boned_bar();
   build::Body body = body_of(scene);
   body.skin_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
-  // Slanted, and a little out of the top face, over one half; the other half is left unpainted. The second is
-  // the first turned round: a direction is a line.
+  // Half of the top face is painted with a slanted direction that points slightly out of the face; the other
+  // half is unpainted. Neighbours have opposite signs, since a direction is a line.
   const Vector3d slanted(0.3, 0.1, 0.2), in_the_top = Vector3d(0.3, 0.0, 0.2).normalized();
   body.painted = {{"_FIBER", 3, {}}};
   const auto is_painted = [](const Vector3d& p) { return p[0] < 0.21; };
@@ -287,7 +288,7 @@ TEST(FibreConstraints, FollowPaint) {
   std::size_t painted = 0, others = 0;
   for (const FibreConstraint& c : build::fibre_constraints(scene, layer_of, 0.02, measures)) {
     const Vector3d& p = body.mesh.vertices[c.vertex];
-    // Inside the top face, where its normal is y.
+    // On the interior of the top face, where the normal is y.
     if (p[1] < 0.08 - 1e-9 || p[0] < 0.01 || p[0] > 0.39 || p[2] < 0.01 || p[2] > 0.07) continue;
     if (is_painted(p)) {
       EXPECT_GE(std::abs(c.direction.dot(in_the_top)), 1.0 - 1e-12);
@@ -312,13 +313,13 @@ TEST(FibreDirections, OfAModelComeFromTheField) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const Vector3d d(model.fibre[3 * i], model.fibre[3 * i + 1], model.fibre[3 * i + 2]);
     if (model.layer_of(i) == 1) {
-      EXPECT_EQ(d, Vector3d(Vector3d::Zero()));  // bone asks for none
+      EXPECT_EQ(d, Vector3d(Vector3d::Zero()));  // bone has no fibre
       continue;
     }
     ++muscle;
     EXPECT_EQ(model.beta[i], 0.6f);
     EXPECT_NEAR(d.norm(), 1.0, 1e-6);
-    // Bone and skin run along x, within a few degrees; in the end faces nothing can.
+    // Along bone and skin, fibres follow x within a few degrees; on the end faces they cannot.
     const double x = model.rest_origin[0] + model.unit * double{model.rest[3 * i]};
     if (x > 0.03 && x < 0.37) {
       EXPECT_GT(std::abs(d[0]), 0.9);
@@ -327,13 +328,13 @@ TEST(FibreDirections, OfAModelComeFromTheField) {
   EXPECT_GT(muscle, 300u);
 }
 
-// Counted again, of the tetrahedra's edges and of the directions as the model has them, which are all of the
-// field's where no layer is without one.
+// Counted again from the model's edges and directions. As every layer has fibres here, these are all of the
+// field's.
 TEST(FibreDirections, AreCountedAsTheyAre) {
   scene::Scene scene = boned_bar();
   scene.layers.pop_back();
   scene.bones.clear();
-  // Around a bend the lines turn by half a turn: somewhere one must point against the next.
+  // The lines turn by half a turn around a bend, so somewhere two neighbours must have opposed directions.
   scene.fibres = {
       {"bend",
        {{0.35, 0.01, 0.04}, {0.12, 0.01, 0.04}, {0.1, 0.04, 0.04}, {0.12, 0.07, 0.04}, {0.35, 0.07, 0.04}},

@@ -1,4 +1,4 @@
-// Harmonic extension, against a dense solve of the same problem assembled in another way.
+// Harmonic extension, compared with a dense solve that assembles the same problem differently.
 #include "host/build/harmonic.h"
 
 #include <cmath>
@@ -19,8 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using scene::Vector3d;
 
-// Gradients of the four hat functions from the inverse of the matrix of corners, and the volume from its
-// determinant, where the library takes face normals.
+// Gradients of the four hat functions from the inverse of the corner matrix, and the volume from its
+// determinant; the library uses face normals.
 MatrixXd dense_matrix(const mesh::TetMesh& mesh) {
   const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
   MatrixXd matrix = MatrixXd::Zero(count, count);
@@ -57,7 +57,7 @@ VectorXd dense_solution(const mesh::TetMesh& mesh, const std::vector<char>& give
   return result;
 }
 
-// A long bar, so that what is given at one end is not reached at the other.
+// A long bar, so that values at one end do not reach the other.
 const scene::Bar long_bar{.size = {2.0, 0.2, 0.2}, .vertices = {51, 6, 6}, .jitter = 0.25};
 
 TEST(Harmonic, MatrixIsThatOfTheHatFunctions) {
@@ -65,7 +65,7 @@ TEST(Harmonic, MatrixIsThatOfTheHatFunctions) {
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   const MatrixXd dense = dense_matrix(mesh);
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
-    // Both sum the same few products; entries are near 0.1.
+    // Both sum the same few products; entries are about 0.1.
     EXPECT_NEAR(matrix.diagonal[i], dense(i, i), 1e-14);
     for (std::uint32_t k = matrix.rings.offset[i]; k < matrix.rings.offset[i + 1]; ++k)
       EXPECT_NEAR(matrix.coupling[k], dense(i, matrix.rings.neighbour[k]), 1e-14);
@@ -77,7 +77,7 @@ TEST(Harmonic, IsTheDenseSolution) {
   const std::vector<char> given = on_boundary(mesh);
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   build::HarmonicExtension extension(matrix, given);
-  // The first end, a ring in the middle, everything but an end: local, local on two sides, and wide.
+  // One end, a ring in the middle, and everything except one end: local, local on two sides, and wide.
   const std::vector<std::pair<double, double>> bands{{0.0, 0.1}, {0.9, 1.1}, {0.3, 2.0}};
   for (const auto& [low, high] : bands) {
     VectorXd values = VectorXd::Zero(static_cast<Eigen::Index>(mesh.vertices.size()));
@@ -94,7 +94,7 @@ TEST(Harmonic, IsTheDenseSolution) {
     for (const VertexValue& v : *found) {
       EXPECT_FALSE(given[v.vertex]);
       reached[v.vertex] = 1;
-      // What was left out lies below `negligible` all along the rim.
+      // The omitted part is below `negligible` all along its rim.
       EXPECT_NEAR(v.value, dense[v.vertex], 2.0 * build::HarmonicExtension::negligible);
     }
     std::size_t left_out = 0;
@@ -103,7 +103,7 @@ TEST(Harmonic, IsTheDenseSolution) {
       ++left_out;
       EXPECT_NEAR(dense[v], 0.0, 2.0 * build::HarmonicExtension::negligible);
     }
-    // That solves are local is the point: a third of the bar has nothing of what its end is given.
+    // Local solves are the point: a third of the bar gets no value from its end.
     if (high < 1.0) {
       EXPECT_GT(left_out, found->size() / 3);
     }
@@ -123,7 +123,7 @@ TEST(Harmonic, AFieldThatReachesEverythingIsSolvedTightly) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->size() + list.size(), mesh.vertices.size());
   const VectorXd dense = dense_solution(mesh, given, values);
-  // 1e-8 of the right side, times the condition of a mesh of 7 vertices a side, about 10.
+  // 1e-8 of the right-hand side, times the condition number of a mesh with 7 vertices a side, about 10.
   for (const VertexValue& v : *found) EXPECT_NEAR(v.value, dense[v.vertex], 1e-6);
 }
 

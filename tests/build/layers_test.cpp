@@ -1,4 +1,4 @@
-// Layers and pins by shapes, masses by layers, probes, forces.
+// Layers and pins from shapes, masses from layers, probes, forces.
 #include "host/build/layers.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Vector3d metres(const Model& m, std::uint32_t i) {
   return p;
 }
 
-// The bar's grid is 0.02 m wide: a test point 1e-6 m off tells all vertices apart.
+// The bar's grid spacing is 0.02 m, so an offset of 1e-6 m separates all vertices.
 using Holds = std::function<bool(const Vector3d&)>;
 void expect_shape(const scene::Shape& shape, const Holds& holds) {
   scene::Scene scene = bar_scene();
@@ -89,7 +89,7 @@ TEST(Layers, ABoneDistanceHasTwoBounds) {
   });
 }
 
-// Depth on the bar in closed form: the nearest face of the box, and the bone of expect_shape.
+// The depth on the bar in closed form: the nearest face of the box, and the bone of expect_shape.
 double bar_depth(const Vector3d& p) {
   const double bone = (p - Vector3d(std::clamp(p[0], 0.1, 0.3), 0.04, 0.04)).norm();
   const double skin = std::min({p[0], 0.4 - p[0], p[1], 0.08 - p[1], p[2], 0.08 - p[2]});
@@ -103,8 +103,8 @@ TEST(Layers, ADepthHasTwoBounds) {
   });
 }
 
-// Three layers by shares of the volume: each fills what was asked within 2 % of the whole, by either order,
-// and no vertex of an inner layer lies outside one of an outer layer.
+// Three layers by volume share, in either order: each fills its share within 2 % of the whole, and no vertex
+// of an inner layer is outside one of an outer layer.
 TEST(Layers, VolumeSharesAreWhatWasAskedAndNest) {
   for (const bool by_distance : {false, true}) {
     scene::Scene scene = bar_scene();
@@ -143,14 +143,14 @@ TEST(Layers, AlphaRunsFromTheInnerToTheOuterSide) {
     if (model.is_kinematic(i)) continue;
     const double expected =
         model.layer_of(i) == 0 ? 1.0 : 0.9 - 0.6 * bar_depth(metres(model, i)) / outermost;
-    EXPECT_NEAR(double{model.alpha[i]}, expected, 1e-6);  // floats, and positions rounded to them
+    EXPECT_NEAR(double{model.alpha[i]}, expected, 1e-6);  // floats, and float positions
   }
   scene.bones.clear();
   scene.layers[1].where = {scene::HalfSpace{scene::Axis::x, true, true, 0.5}};
   expect_refusal([&] { build_quietly(scene); }, "layers.muscle.alpha_outer");
 }
 
-// A bar of flesh with two joints, one to each half, and paint on its skin.
+// A bar of flesh with two joints, one per half, and paint on its skin.
 struct PaintedBar {
   build::Body body;
   std::vector<std::uint32_t> source_vertex;
@@ -209,8 +209,8 @@ TEST(Layers, PaintIsTakenFromTheNearestSkin) {
   const PaintedBar bar;
   const build::Layering layering = bar.layer(two_layers(scene::Painted{"COLOR_0.g", 0.25, 0.75}));
   for (std::size_t i = 0; i < layering.layer.size(); ++i) {
-    // Paint is linear along the bar, so on its long sides the nearest skin has the value of the vertex
-    // itself; near the ends an end face may be the nearest.
+    // Paint is linear along the bar, so on the long sides the nearest skin has the vertex's own value; near
+    // the ends the nearest skin may be on an end face.
     const Vector3d& p = bar.body.mesh.vertices[i];
     if (p[0] < 0.045 || p[0] > 0.355) continue;
     EXPECT_EQ(layering.layer[i], p[0] > 0.099 && p[0] < 0.301 ? 1u : 0u) << p.transpose();
@@ -228,11 +228,11 @@ TEST(Layers, PaintWinsOverOtherShapesWhateverTheOrder) {
     EXPECT_EQ(layering.layer[i], bar.body.mesh.vertices[i][0] < 0.09 ? 1u : 2u);
 }
 
-// Numbers of layers are names, which have nothing between them; shades have.
+// Layer numbers are names and must not be interpolated; shades are interpolated.
 TEST(Layers, PaintedLayersAreNotMixed) {
   PaintedBar bar;
   for (double& value : bar.body.painted[0].values) value = value == 2.0 ? 3.0 : 0.0;
-  for (scene::Vector3d& p : bar.body.mesh.vertices) p[0] += 0.004;  // off the vertices of the skin
+  for (scene::Vector3d& p : bar.body.mesh.vertices) p[0] += 0.004;  // not aligned with the skin's vertices
   build::Measures measures(bar.body);
   std::set<double> layers, shades;
   for (const double value : measures.painted("_LAYER", "key", "test")) layers.insert(value);
@@ -241,7 +241,7 @@ TEST(Layers, PaintedLayersAreNotMixed) {
   EXPECT_GT(shades.size(), 10u);
 }
 
-// A layer that a paint file claims vertices for is the rest of the body all the same.
+// A layer for which a paint file claims vertices is also the default for the rest of the body.
 TEST(Layers, PaintOfAFileWinsAsPaintOfWhereDoes) {
   const PaintedBar bar;
   scene::Scene scene = two_layers(scene::Everywhere{});
@@ -276,8 +276,8 @@ TEST(Layers, BonesMayHaveExtentsOfTheirOwn) {
   for (std::size_t i = 0; i < layering.layer.size(); ++i) {
     const Vector3d& p = bar.body.mesh.vertices[i];
     const double distance = std::hypot(p[1] - 0.04, p[2] - 0.04);
-    // The trunk's flesh has a share in the trunk's bone and in the hand's, which hangs on it; the hand's
-    // follows its joint and counts as bone.
+    // The trunk's flesh counts the bones of the trunk and of the hand, its child. The hand's flesh follows
+    // its joint and counts as bone.
     if (p[0] < 0.29)
       EXPECT_EQ(layering.layer[i], distance < 0.045 ? 1u : 0u) << p.transpose();
     else
@@ -290,7 +290,7 @@ TEST(Layers, BonesMayHaveExtentsOfTheirOwn) {
       "no bone belongs to a joint called \"finger\"");
 }
 
-// What follows the skeleton by its joints is bone, and is not counted among the volume that shares are of.
+// Flesh that follows the skeleton counts as bone and is excluded from the volume that shares refer to.
 TEST(Layers, SharesCountWhatIsFree) {
   const PaintedBar bar;
   const build::Layering layering = bar.layer(two_layers(scene::VolumeShare{0.0, 0.5, false}));
@@ -323,8 +323,8 @@ TEST(Layers, TheLastThatMatchesWins) {
   scene.layers = {layer_named("low", {low}), layer_named("rest"), layer_named("lower", {lower})};
   build::Report report;
   build::build_model(scene, report);
-  // 21 x 5 x 5 vertices: planes 0 to 5 are lower, 6 to 10 low; the layer without shapes takes the rest
-  // wherever it stands.
+  // 21 x 5 x 5 vertices: planes 0 to 5 are lower, 6 to 10 low. The layer without shapes takes the rest,
+  // whatever its position in the list.
   EXPECT_EQ(report.layers[0].vertices, 5u * 25u);
   EXPECT_EQ(report.layers[1].vertices, 10u * 25u);
   EXPECT_EQ(report.layers[2].vertices, 6u * 25u);
@@ -388,7 +388,7 @@ TEST(Mass, IsDensityTimesVolume) {
     const double volume = 0.4 * 0.08 * 0.08;
     double sum = 0.0;
     for (const double m : model.mass) sum += m;
-    // 1920 volumes and 525 masses, each rounded by 2^-53 of itself.
+    // 1920 volumes and 525 masses, each with a relative rounding error of 2^-53.
     EXPECT_NEAR(sum, 930.0 * volume, 930.0 * volume * 1e-12);
     EXPECT_NEAR(report.mass, sum, sum * 1e-12);
     EXPECT_NEAR(report.volume, volume, volume * 1e-12);
@@ -404,7 +404,7 @@ TEST(Mass, FollowsTheLayersDensity) {
   build::Report report;
   const Model model = build::build_model(scene, report);
   const double volume = 0.4 * 0.08 * 0.08;
-  // Planes 0 to 10 of 21: the first counts half, the other ten whole: 10.5 of 20 cells.
+  // Planes 0 to 10 of 21: the first counts half and the other ten fully, so 10.5 of 20 cells.
   EXPECT_NEAR(report.layers[1].volume, volume * 10.5 / 20.0, volume * 1e-12);
   EXPECT_NEAR(report.layers[0].volume, volume * 9.5 / 20.0, volume * 1e-12);
   EXPECT_NEAR(report.layers[1].mass, 1800.0 * volume * 10.5 / 20.0, 1e-11);
@@ -436,7 +436,7 @@ TEST(Probes, ListTheirVerticesAscending) {
   for (const std::uint32_t i : model.probes[0].vertices) EXPECT_NEAR(metres(model, i)[0], 0.4, 1e-7);
 }
 
-// Sum over vertices of mass times coefficient: what a unit force pushes with.
+// The sum over vertices of mass times coefficient: the total push of a unit force.
 double total_push(const Model& m, std::uint32_t force) {
   double sum = 0.0;
   for (std::uint32_t i = 0; i < m.vertex_count; ++i)
@@ -474,7 +474,7 @@ TEST(Forces, KinematicVerticesTakeNone) {
     if (model.is_kinematic(i)) {
       EXPECT_EQ(model.force_offset[i], model.force_offset[i + 1]);
     }
-  // The free vertices take the whole force.
+  // The free vertices take all of the force.
   EXPECT_NEAR(total_push(model, 1), 1.0, 1e-7);
   scene.forces[1].where = scene.pins[0].where;
   expect_refusal([&] { build_quietly(scene); }, "force.push");

@@ -1,4 +1,4 @@
-// From the layers' least volumes to a Model's limits.
+// A Model's limits, from the layers' least volumes.
 #include "host/build/limits.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 using model::Model;
 using scene::Vector3d;
 
-// A bar of two layers, whose end is pinned, two cells deep.
+// A bar of two layers, pinned at one end, two cells deep.
 scene::Scene two_layers(double lower, double upper) {
   scene::Scene scene = bar_scene();
   scene.pins = {{"end", {scene::HalfSpace{scene::Axis::x, true, true, 0.11}}}};
@@ -49,8 +49,8 @@ TEST(Limits, WithoutThemTheModelIsAsItWas) {
   EXPECT_EQ(some.tetrahedron, none.tetrahedron);
 }
 
-// Each tetrahedron once, the largest share of its free corners, of its own volume; none where all corners are
-// held.
+// Each tetrahedron appears once, with the largest share of its free corners times its own volume; tetrahedra
+// without free corners do not appear.
 TEST(Limits, ATetrahedronKeepsTheLargestShareOfItsFreeCorners) {
   const Model m = build_quietly(two_layers(0.2, 0.4));
   check_model(m);
@@ -82,7 +82,7 @@ TEST(Limits, ATetrahedronKeepsTheLargestShareOfItsFreeCorners) {
   EXPECT_EQ(m.limit.size(), expected);
 }
 
-// A layer without a share of its own is left alone but for what it shares with one that has.
+// A layer without a share of its own is unlimited, except in tetrahedra that it shares with a limited layer.
 TEST(Limits, ALayerOfItsOwn) {
   const Model m = build_quietly(two_layers(0.0, 0.3));
   EXPECT_TRUE(m.has_limits());

@@ -1,4 +1,4 @@
-// The lowest mode: by grids of cubes against without, and the grids against the body that they stand for.
+// The lowest mode: with and without cube grids, and the grids compared with the body they approximate.
 #include "host/build/lowest_mode.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using model::Model;
 
-// What a search works on; pins and layers come from the scene.
+// The inputs of a search; pins and layers come from the scene.
 struct HeldBody {
   explicit HeldBody(const scene::Scene& scene)
       : model(build_quietly(scene)),
@@ -49,8 +49,8 @@ double square(const HeldBody& body, std::size_t least_for_grids, std::size_t thr
   return lowest->square;
 }
 
-// Both come from above and stop where a few iterations more gain less than 1e-5; the two bending modes of a
-// bar as thick as it is wide are a few percent apart, over which a search without grids takes long.
+// Both converge from above and stop when further iterations gain less than 1e-5. The two bending modes of a
+// bar with a square cross-section are a few per cent apart, which makes a search without grids slow.
 TEST(LowestMode, ByGridsIsThatWithout) {
   constexpr std::size_t never = 1000000;
   for (const std::array<std::uint32_t, 3> vertices :
@@ -61,7 +61,7 @@ TEST(LowestMode, ByGridsIsThatWithout) {
   }
 }
 
-// Two parts with a wall between that is thicker than a region, one longer and so lower.
+// Two parts separated by a wall thicker than a region; the longer part has the lower mode.
 TEST(LowestMode, FindsTheLowestOfSeveralParts) {
   HeldBody body(jittered_bar({41, 9, 5}));
   const double whole = square(body, 0);
@@ -79,7 +79,7 @@ TEST(LowestMode, FindsTheLowestOfSeveralParts) {
   EXPECT_NEAR(parts, lowest, 1e-3 * lowest);
 }
 
-// Of `count` vertices or nodes, without a direction of its own.
+// For `count` vertices or nodes, without a preferred direction.
 std::vector<Vector3d> waves(std::size_t count, double step) {
   std::vector<Vector3d> x;
   for (std::size_t i = 0; i < count; ++i) {
@@ -89,7 +89,7 @@ std::vector<Vector3d> waves(std::size_t count, double step) {
   return x;
 }
 
-// More vertices than a thread takes alone, so that the body is cut.
+// More vertices than one thread takes, so the body is split.
 TEST(LowestMode, DoesNotDependOnThreads) {
   const HeldBody body(jittered_bar({141, 17, 17}));
   const double by_one = square(body, 0, 1);
@@ -118,7 +118,7 @@ double energy(const build::CubeGrid& grid, const std::vector<Vector3d>& x) {
   return sum;
 }
 
-// An affine displacement is one that cubes of any size say exactly: so the energy is the body's own.
+// Cubes of any size represent an affine displacement exactly, so its energy equals the body's.
 TEST(CubeGrid, AnAffineDisplacementHasTheBodysEnergy) {
   HeldBody body(jittered_bar({21, 7, 7}));
   body.is_free.assign(body.is_free.size(), 1);
@@ -162,7 +162,7 @@ TEST(CubeGrid, AnAffineDisplacementHasTheBodysEnergy) {
     EXPECT_NEAR((interpolated[i] - on_fine[i]).norm(), 0.0, 1e-12);
 }
 
-// What a displacement does against a force is the same on the body and on its grids.
+// The work of a force on a displacement is the same on the body and on its grids.
 TEST(CubeGrid, ForcesTakeTheTransposedWay) {
   const HeldBody body(jittered_bar({21, 7, 7}));
   const build::RegionStiffness stiffness(body.elastic(), body.is_free, 2);

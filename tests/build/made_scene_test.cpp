@@ -1,5 +1,5 @@
-// The characters made in code, all the way to a model: TetGen takes their skins, which it refuses when they
-// cross themselves, and each layer has its share.
+// The built-in characters, built into models: TetGen accepts their skins (it refuses self-intersecting ones),
+// and each layer has its share.
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -25,11 +25,11 @@ TEST_P(MadeScenes, AreBuiltWithoutAWarning) {
   for (const build::LayerShare& layer : report.layers)
     EXPECT_GT(layer.volume, 0.02 * report.volume) << layer.name;
   EXPECT_GT(report.pinned_vertices, 0u);
-  // What `do bake` may take: a bake of some seconds.
+  // The limit for `do bake`: a bake of a few seconds.
   EXPECT_LT(report.vertices, 12000u);
 }
 
-// A wish that leaves next to nothing to simulate is told; one that leaves a forearm is not.
+// A setting that leaves almost nothing to simulate gives a warning; one that leaves a forearm does not.
 TEST(OnlyWarning, SaysHowLittleIsSimulated) {
   const auto said_of = [](const std::string& joint) {
     scene::Scene scene = scene::load_scene("arm");
@@ -49,11 +49,11 @@ TEST(OnlyWarning, SaysHowLittleIsSimulated) {
   EXPECT_EQ(said_of("upper_arm"), "");
 }
 
-// An arm as long as a house: the warning says how long, in metres, whatever the working unit.
+// An arm as long as a house: the warning gives its length in metres, whatever the working unit.
 TEST(SizeWarning, SaysHowLongTheCharacterIs) {
   scene::Scene scene = scene::load_scene("arm");
   scene.scale = 40.0;
-  // Its places are in metres.
+  // Their positions are in metres.
   scene.probes.clear();
   scene.muscles.clear();
   build::Report report;
@@ -65,8 +65,8 @@ TEST(SizeWarning, SaysHowLongTheCharacterIs) {
   for (const build::Warning& warning : report.warnings)
     if (warning.text.find("where its file is not in metres") != std::string::npos) said = warning.text;
   const std::size_t number = said.find("is ");
-  ASSERT_NE(number, std::string::npos) << "no warning of its size";
-  // Three digits are written.
+  ASSERT_NE(number, std::string::npos) << "no warning about its size";
+  // The warning prints three digits.
   EXPECT_NEAR(std::stod(said.substr(number + 3)), extent, 0.005 * extent) << said;
 }
 

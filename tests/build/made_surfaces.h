@@ -1,4 +1,4 @@
-// Surfaces made in code, of the kinds that artists' meshes come in.
+// Generated surfaces of the kinds found in artists' meshes.
 #pragma once
 
 #include <array>
@@ -21,12 +21,12 @@ inline void append(mesh::SurfaceMesh& mesh, const mesh::SurfaceMesh& other,
     mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-// A tube of `radius` along a line of points, `around` vertices to a ring, both ends closed by a point. Faces
-// outward. Ring k is vertices [k x around, (k + 1) x around).
+// A tube of `radius` along a line of points, with `around` vertices per ring and a point at each closed end.
+// Faces outward. Ring k is vertices [k x around, (k + 1) x around).
 inline mesh::SurfaceMesh tube(const std::vector<scene::Vector3d>& line, double radius, std::uint32_t around) {
   mesh::SurfaceMesh mesh;
   const auto rings = static_cast<std::uint32_t>(line.size());
-  // Lines lie in the x-y plane: z is across all of them.
+  // Lines are in the x-y plane, so z is perpendicular to all of them.
   const scene::Vector3d across(0, 0, 1);
   const auto along = [&](std::uint32_t k) {
     return (line[std::min(k + 1, rings - 1)] - line[k == 0 ? 0 : k - 1]).normalized();
@@ -54,7 +54,7 @@ inline mesh::SurfaceMesh tube(const std::vector<scene::Vector3d>& line, double r
   return mesh;
 }
 
-// A ball of rings and sectors.
+// A ball made of rings and sectors.
 inline mesh::SurfaceMesh ball(double radius, std::uint32_t around) {
   mesh::SurfaceMesh mesh;
   const std::uint32_t rings = around / 2;
@@ -82,10 +82,9 @@ inline mesh::SurfaceMesh ball(double radius, std::uint32_t around) {
   return mesh;
 }
 
-// Two legs and the hips above them, one tube bent like a hairpin: legs of 0.7 m and 0.1 m radius, `gap`
-// between them (m; negative: they cross). Joint 0 moves the left leg, 1 the right one, 2 the bend and the
-// upper 0.2 m of both; nothing is blended. So the way along the skin from one leg's own part to the other's
-// is 0.4 m at least.
+// Two legs and the hips above them: one tube bent like a hairpin. Legs are 0.7 m long with a radius of 0.1 m,
+// `gap` apart (m; negative: they cross). Joint 0 moves the left leg, 1 the right one, 2 the bend and the
+// upper 0.2 m of both, without blending. So along the skin, the legs' own parts are at least 0.4 m apart.
 inline rig::Character make_legs(double gap) {
   constexpr std::uint32_t around = 24;
   constexpr double radius = 0.1, length = 0.7, hips = 0.2, step = 0.02;
@@ -107,7 +106,7 @@ inline rig::Character make_legs(double gap) {
     legs.joints.push_back({joint, 0, 0, 0, 0, 0, 0, 0});
     legs.weights.push_back({1, 0, 0, 0, 0, 0, 0, 0});
   }
-  // Crossing legs: which one a vertex belongs to follows from its ring.
+  // If legs cross, the ring tells which leg a vertex belongs to.
   for (std::uint32_t v = 0; v < line.size() * around; ++v)
     if (legs.joints[v][0] != 2) legs.joints[v][0] = v < bend * around ? 0 : 1;
   legs.skeleton = {joint_at("left", -1, {-half, -hips, 0}), joint_at("right", -1, {half, -hips, 0}),

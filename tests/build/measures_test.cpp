@@ -1,4 +1,4 @@
-// Distances from bones: which bones count for which vertex.
+// Distances from bones, and which bones count for which vertex.
 #include "host/build/measures.h"
 
 #include <algorithm>
@@ -14,15 +14,14 @@ namespace {
 
 using scene::Vector3d;
 
-// Two upright bones, an arm at x = 0 and a flank at x = 1, and vertices between them with weights of their
-// own.
+// Two upright bones, an arm at x = 0 and a flank at x = 1, and vertices between them with different weights.
 build::Body body_between_two_bones() {
   build::Body body;
   body.bones = {{{0, 0, 0}, {0, 1, 0}, {0, -1, 1}}, {{1, 0, 0}, {1, 1, 0}, {2, -1, 3}}};
   body.joint_count = 4;
   body.mesh.vertices = {{0.8, 0.5, 0}, {0.8, 0.5, 0}, {0.8, 0.5, 0}, {0.8, 0.5, 0}, {0, 3, 0}};
-  // All the arm's; 1 % of the flank's; 2 % of the flank's, through the joint it leads to; a joint of neither;
-  // the arm's.
+  // All arm; 1 % flank; 2 % flank, through the joint that its bone leads to; a joint of neither bone; all
+  // arm.
   body.skin.offset = {0, 1, 3, 5, 6, 7};
   body.skin.joint = {0, 0, 2, 1, 3, 3, 1};
   body.skin.weight = {1.0, 0.99, 0.01, 0.98, 0.02, 1.0, 1.0};
@@ -33,7 +32,7 @@ TEST(BoneDistance, CountsOnlyBonesThatMoveTheVertex) {
   const build::Body body = body_between_two_bones();
   build::Measures test(body);
   const std::vector<double>& distance = test.bone_distances();
-  // Halves and fifths: each distance is rounded a few times.
+  // Halves and fifths, so each distance is rounded a few times.
   EXPECT_NEAR(distance[0], 0.8, 1e-15);
   EXPECT_NEAR(distance[1], 0.8, 1e-15);
   EXPECT_NEAR(distance[2], 0.2, 1e-15);
@@ -61,8 +60,8 @@ TEST(BoneDistance, OfASegmentWithoutLengthIsThatOfItsPoint) {
   EXPECT_DOUBLE_EQ(build::segment_distance({0.5, 4, 3}, {0, 0, 0}, {1, 0, 0}), 5.0);
 }
 
-// A rod 2 m long and 0.2 m thick, its distance from the skin, and the largest ball that reaches a vertex by
-// trying all.
+// A rod 2 m long and 0.2 m thick, its distance from the skin, and the largest ball that reaches a vertex, by
+// exhaustive search.
 constexpr double rod_length = 2.0, rod_thickness = 0.2, rod_spacing = 0.025;
 
 mesh::TetMesh rod() {
@@ -88,19 +87,19 @@ TEST(LocalRadius, IsThatOfTheLargestBallThatReachesAVertex) {
     for (std::size_t c = 0; c < radius.size(); ++c)
       if ((mesh.vertices[i] - mesh.vertices[c]).norm() <= (1.5 + 1e-6) * from_skin[c])
         largest = std::max(largest, from_skin[c]);
-    // A ball that a larger one hides is missed where it is as good as that one; half an edge is the least.
-    // Corners that none reaches are as thick as the rod.
+    // The build may skip balls hidden by larger ones, which costs at most one spacing. The smallest radius is
+    // half an edge. Corners that no ball reaches get the rod's radius.
     EXPECT_LE(radius[i], largest > 0.0 ? std::max(largest, rod_spacing) : rod_thickness / 2.0 + 1e-12) << i;
     EXPECT_GE(radius[i], largest - rod_spacing - 1e-12) << i;
     const double end = std::min(mesh.vertices[i][0], rod_length - mesh.vertices[i][0]);
-    // The middle of the rod is reached from its axis: edges of the rod are 1.41 radii off.
+    // Away from the ends, balls on the axis reach every vertex: the rod's edges are 1.41 radii from the axis.
     if (end > rod_thickness) {
       EXPECT_NEAR(radius[i], rod_thickness / 2.0, 1e-12) << i;
     }
   }
 }
 
-// Flesh beyond the end of the only bone has no bone in it, and follows the skeleton.
+// Flesh beyond the end of the only bone has no bone inside and follows the skeleton.
 TEST(FollowsJoints, FarBeyondTheLastBone) {
   build::Body body;
   body.mesh = rod();
@@ -118,8 +117,8 @@ TEST(FollowsJoints, FarBeyondTheLastBone) {
   const std::vector<char>& follows = measures.follows_joints();
   for (std::size_t i = 0; i < follows.size(); ++i) {
     const Vector3d& p = body.mesh.vertices[i];
-    // Two radii are 0.2 m; the rod's edge is 0.14 m off its axis.
-    // Beside the corners of its end it is as thin as the balls that reach there.
+    // Two radii are 0.2 m; the rod's edge is 0.14 m from its axis. Next to the corners of its ends, only
+    // smaller balls reach a vertex.
     if (p[0] > 0.04 && p[0] < 1.13) {
       EXPECT_EQ(int{follows[i]}, 0) << p.transpose();
     }

@@ -1,5 +1,5 @@
-// Tetrahedral meshes as given: what is repaired, what is refused and with which words, what comes out the
-// same.
+// Tetrahedral meshes as input: what is repaired, what is refused with which message, and which changes have
+// no effect.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,7 +23,7 @@ namespace {
 using mesh::TetMesh;
 using scene::Vector3d;
 
-// A bar as a mesh; jittered, so that no two vertices tie in the numbering.
+// A bar as a mesh, jittered so that no two vertices tie in the numbering.
 scene::Scene mesh_scene() {
   scene::Scene scene = bar_scene();
   scene.geometry = build::make_bar({.vertices = {8, 5, 4}, .jitter = 0.25}, "test");
@@ -52,7 +52,7 @@ TEST(MeshInput, AMirroredMeshHasTheSameVolumeAndNoNegativeTetrahedron) {
   for (Vector3d& p : mesh_of(scene).vertices) p[1] = -p[1];
   const model::Model model = build::build_model(scene, mirrored);
   EXPECT_EQ(mirrored.flipped_tetrahedra, mirrored.tetrahedra);
-  // Sums of the same numbers in another order: 500 roundings of 2^-53.
+  // The same numbers summed in another order: 500 roundings of 2^-53.
   EXPECT_NEAR(mirrored.volume, plain.volume, plain.volume * 1e-13);
   const auto at = [&](std::uint32_t i) {
     return Vector3d(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]}, double{model.rest[3 * i + 2]});
@@ -75,19 +75,19 @@ TEST(MeshInput, RefusesMalformedMeshesWithIds) {
   refusal([](TetMesh& m) { m.vertices.emplace_back(0, 0, 0); }, "uses vertex 160 ");
   refusal([](TetMesh& m) { m.vertices[12][1] = std::numeric_limits<double>::quiet_NaN(); }, "vertex 12 ");
   refusal([](TetMesh& m) { m.vertices[12][1] = std::numeric_limits<double>::infinity(); }, "vertex 12 ");
-  // All four corners of tetrahedron 0 in one plane.
+  // All four corners of tetrahedron 0 are in one plane.
   refusal(
       [](TetMesh& m) {
         for (const auto c : m.tetrahedra[0]) m.vertices[c][2] = 0.01;
       },
       "no volume in tetrahedron 0");
-  // The same tetrahedron twice: its triangles have two tetrahedra on one side.
+  // The same tetrahedron twice, so each of its triangles has two tetrahedra on one side.
   refusal([](TetMesh& m) { m.tetrahedra.push_back(m.tetrahedra[0]); }, "overlap");
 }
 
 TEST(MeshInput, RefusesTetrahedraThatSinglePrecisionFlattens) {
   scene::Scene scene = bar_scene();
-  // Height 1e-9 over a base of 1: a volume in double, none in float.
+  // Height 1e-9 over a base of 1: it has volume in double but not in float.
   TetMesh mesh{{{0, 0, 0.3}, {1, 0, 0.3}, {0, 1, 0.3}, {0.3, 0.3, 0.3 + 1e-9}, {0.3, 0.3, -0.7}},
                {{0, 1, 2, 3}, {0, 2, 1, 4}}};
   scene.geometry = mesh;
@@ -112,7 +112,7 @@ TEST(MeshInput, ThePermutationOfTheInputDoesNotMatter) {
   std::shuffle(shuffled.tetrahedra.begin(), shuffled.tetrahedra.end(), random);
   for (auto& t : shuffled.tetrahedra) {
     for (std::uint32_t& corner : t) corner = number[corner];
-    // Another even permutation of the same corners.
+    // An even permutation of the corners.
     t = {t[1], t[0], t[3], t[2]};
   }
   const model::Model other = build_quietly(scene);
@@ -120,14 +120,14 @@ TEST(MeshInput, ThePermutationOfTheInputDoesNotMatter) {
   std::vector<std::uint32_t> source(plain.vertex_count);
   for (std::uint32_t i = 0; i < plain.vertex_count; ++i) source[i] = order[other.source_vertex[i]];
   EXPECT_EQ(source, plain.source_vertex);
-  // The numbering follows from places only, and so all arrays are the same to the bit.
+  // The numbering depends only on positions, so all arrays are bit-identical.
   EXPECT_EQ(other.rest, plain.rest);
   EXPECT_EQ(other.ring, plain.ring);
   EXPECT_EQ(other.share_taken, plain.share_taken);
   EXPECT_EQ(other.pull, plain.pull);
   EXPECT_EQ(other.region_rest, plain.region_rest);
   EXPECT_EQ(other.tetrahedron, plain.tetrahedron);
-  // Their order inside a sum of masses is canonical too.
+  // The order of summation for masses is canonical too.
   EXPECT_EQ(other.mass, plain.mass);
 }
 
@@ -136,7 +136,7 @@ TEST(MeshInput, TheBoundaryIsClosedAndFacesOutward) {
   const TetMesh mesh = build::make_bar(bar, "test");
   const auto triangles = build::boundary_triangles(mesh, "test");
   EXPECT_EQ(triangles.size(), 4u * (5 * 3 + 5 * 4 + 3 * 4));
-  // Gauss: the flux of x/3 through a closed surface that faces outward is the volume.
+  // Gauss: the flux of x/3 through a closed, outward-facing surface is its volume.
   double flux = 0.0;
   Vector3d area = Vector3d::Zero();
   for (const auto& t : triangles) {
@@ -145,7 +145,7 @@ TEST(MeshInput, TheBoundaryIsClosedAndFacesOutward) {
     flux += a.dot(cross) / 6.0;
     area += cross;
   }
-  // 200 terms of at most the volume's size, each rounded.
+  // 200 rounded terms, none larger than the volume.
   EXPECT_NEAR(flux, bar.size.prod(), 1e-14);
   EXPECT_LT(area.norm(), 1e-14);
 }
@@ -187,7 +187,7 @@ std::string warning_of_flat_cells(const TetMesh& mesh) {
   return "";
 }
 
-// Thinned towards its free end, along x alone.
+// Cells get thinner towards the free end, along x only.
 TetMesh graded_bar(double ratio) {
   TetMesh mesh = build::make_bar({.size = {2.0, 0.4, 0.4}, .vertices = {21, 5, 5}}, "test");
   std::vector<double> places{0.0};
@@ -203,12 +203,12 @@ TEST(MeshInput, WarnsOfFlatTetrahedra) {
   for (const double ratio : {30.0, 100.0, 250.0}) {
     const std::string text = warning_of_flat_cells(graded_bar(ratio));
     ASSERT_NE(text, "") << ratio;
-    // The last slice's vertices, the free end's, have nothing better: a box of 1:ratio.
+    // Vertices of the last slice, at the free end, have only such flat cells: boxes of 1:ratio.
     const std::size_t number = text.find("down to 1:");
     ASSERT_NE(number, std::string::npos) << text;
     EXPECT_NEAR(std::stod(text.substr(number + 10)), ratio, 0.01 * ratio + 0.5) << text;
   }
-  // A sliver among good ones: one vertex of a bar is pushed nearly onto a face of one of its tetrahedra.
+  // A sliver among good cells: one vertex is pushed almost onto the opposite face of one of its tetrahedra.
   TetMesh sliver = graded_bar(1.0);
   const auto t = sliver.tetrahedra[700];
   const Vector3d middle = (sliver.vertices[t[1]] + sliver.vertices[t[2]] + sliver.vertices[t[3]]) / 3.0;
@@ -223,7 +223,7 @@ TEST(MeshInput, ScaleMultipliesMeshesButNotBars) {
   build::build_model(scene, plain);
   scene.scale = 0.01;
   build::build_model(scene, scaled);
-  // The factor is rounded once and cubed; volumes are sums of 500.
+  // The factor is rounded once and cubed; volumes are sums of 500 terms.
   EXPECT_NEAR(scaled.volume, plain.volume * 1e-6, plain.volume * 1e-18);
   scene.geometry = scene::Bar{};
   build::build_model(scene, bar);
@@ -240,7 +240,7 @@ TEST(MeshInput, RestPositionsReturnToMetresWithinHalfAnUlp) {
       const double x = double{model.rest[3 * i + a]};
       EXPECT_LE(std::abs(x), 1.0);
       const double metres = model.rest_origin[a] + model.unit * x;
-      // Half an ULP of a float below 1, and the double's own rounding 100 m away.
+      // Half an ULP of a float below 1, plus the rounding of a double 100 m from the origin.
       EXPECT_NEAR(metres, mesh_of(scene).vertices[model.source_vertex[i]][static_cast<Eigen::Index>(a)],
                   0.25 * 0x1p-25 + 1e-13);
     }

@@ -1,4 +1,4 @@
-// fascicle-mesher itself, from outside: it is in its sandbox before it opens a file, and reads no other.
+// fascicle-mesher from outside: it enters its sandbox before it opens a file, and reads no other file.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr const char* tetrahedron =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
 
-// Two that cross.
+// Two intersecting tetrahedra.
 constexpr const char* crossing =
     "OFF\n8 8 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.2 0.2 0.2\n1.2 0.2 0.2\n0.2 1.2 0.2\n0.2 0.2 1.2\n"
     "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n3 4 6 5\n3 4 5 7\n3 5 6 7\n3 4 7 6\n";
@@ -55,13 +55,13 @@ class MesherSandbox : public ::testing::Test {
     for (std::string& word : arguments_) words.push_back(word.data());
     words.push_back(nullptr);
     ASSERT_EQ(::posix_spawn(&mesher_, words.front(), nullptr, nullptr, words.data(), environ), 0);
-    // It stands in open(), as nobody writes into its surface yet. Another may take the processor before it
-    // does.
+    // It blocks in open(), as nothing has opened the FIFO of its surface for writing. On a busy machine it
+    // may take a while to get there.
     constexpr auto patience = std::chrono::seconds(60);
     const auto began = std::chrono::steady_clock::now();
     while (!waits() && std::chrono::steady_clock::now() - began < patience)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    ASSERT_TRUE(waits()) << "fascicle-mesher does not come to its input";
+    ASSERT_TRUE(waits()) << "fascicle-mesher does not open its input";
   }
   void TearDown() override {
     if (mesher_ > 0 && !is_over_) {
@@ -71,7 +71,7 @@ class MesherSandbox : public ::testing::Test {
   }
 
   std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
-  // A writer that does not wait is let in by a reader that does, and by nobody else.
+  // A non-blocking open for writing succeeds only once a reader has the FIFO open.
   bool waits() {
     if (writer_ >= 0) return true;
     const int there = ::open(at("surface.off").c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
@@ -99,19 +99,19 @@ class MesherSandbox : public ::testing::Test {
 TEST_F(MesherSandbox, IsEnteredBeforeTheInputIsRead) {
   EXPECT_EQ(status_of(mesher_, "NoNewPrivs"), "1");
   if (base::sandbox_words().find("seccomp") != std::string::npos) {
-    EXPECT_EQ(status_of(mesher_, "Seccomp"), "2") << "2: by a filter";
+    EXPECT_EQ(status_of(mesher_, "Seccomp"), "2") << "2 means filter mode";
   }
-  EXPECT_EQ(status_of(::getpid(), "NoNewPrivs"), "0") << "the control: it is not this process's";
-  // It has its output already, as it may open nothing to be written from here on.
+  EXPECT_EQ(status_of(::getpid(), "NoNewPrivs"), "0") << "the control: this process does not have it set";
+  // Its output exists already, as it may no longer open files for writing.
   ASSERT_TRUE(fs::exists(part()));
   EXPECT_EQ(fs::file_size(part()), 0u);
-  // The control of the next test, too: it is whole in its sandbox.
+  // Also the control of the next test: the mesher works in its sandbox.
   EXPECT_EQ(finish(), build::mesher_done);
   EXPECT_TRUE(fs::exists(at("out.mesh")));
   EXPECT_FALSE(fs::exists(part()));
 }
 
-// TetGen gives up by an exception that unwinds nothing.
+// TetGen gives up with an exception that unwinds nothing.
 TEST_F(MesherSandbox, LeavesNothingOfAnOutputWhereTetGenGivesUp) {
   EXPECT_TRUE(fs::exists(part()));
   EXPECT_EQ(finish(crossing), build::mesher_self_intersecting);

@@ -1,4 +1,4 @@
-// Which regions of the built-in arm are its muscles', and what they take of it.
+// Which regions of the built-in arm belong to its muscles, and their bulge and shear.
 #include "host/build/muscles.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct BuiltArm {
   build::Report report;
 };
 
-// The built-in arm's body with these muscles.
+// The built-in arm's body with the given muscles.
 BuiltArm arm_with(const std::string& muscles, const std::vector<std::string>& set = {}) {
   BuiltArm arm;
   std::string text;
@@ -59,7 +59,7 @@ TEST(Muscles, TakeTheBulgeAlongTheirBone) {
     EXPECT_GT(x, 0.0);
     EXPECT_LT(x, upper_arm_length);
     const shader::RegionMuscle& entry = m.region_muscle[m.muscle_offset[r]];
-    // Gain 1.5, beta 1 in muscle and 0 in fat; floats.
+    // Gain 1.5; beta is 1 in muscle and 0 in fat; all floats.
     const double angle = std::numbers::pi * x / upper_arm_length;
     const double expected = 1.5 * (std::sin(angle) - std::sin(3.0 * angle)) / 2.0 * m.beta[r];
     EXPECT_NEAR(entry.bulge, expected, 1e-6);
@@ -85,7 +85,7 @@ TEST(Muscles, FramesLeadAwayFromTheBoneAndAcrossTheFibre) {
     EXPECT_NEAR(around.dot(axis), 0.0, 1e-6);
     const Vector3d radial(0.0, place(m, r).y(), place(m, r).z());
     EXPECT_GT(n.dot(radial), 0.0);
-    EXPECT_NEAR(around.dot(axis.cross(radial.normalized())), 1.0, 1e-5);  // positions are floats, too
+    EXPECT_NEAR(around.dot(axis.cross(radial.normalized())), 1.0, 1e-5);  // positions are floats too
   }
 }
 
@@ -116,14 +116,14 @@ TEST(Muscles, ShareRegionsAndJoints) {
         EXPECT_GE(place(m, r).y(), -1e-6);
       }
       if (entry.muscle == 2) {
-        // Half of the distance from the axis over the forearm's 0.26 m.
+        // Half of the distance from the axis, divided by the forearm's length of 0.26 m.
         const double distance = Vector3d(0.0, place(m, r).y(), place(m, r).z()).norm();
         EXPECT_NEAR(entry.shear, 0.5 * distance / 0.26, 1e-5);
       }
     }
     sets.insert(muscles);
   }
-  EXPECT_TRUE(sets.contains({0, 1})) << "both, by ascending number";
+  EXPECT_TRUE(sets.contains({0, 1})) << "both, in ascending order";
   EXPECT_TRUE(sets.contains({0}));
   EXPECT_TRUE(sets.contains({2}));
 }

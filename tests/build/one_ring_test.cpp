@@ -1,4 +1,4 @@
-// One-rings against a brute force over all pairs, and the mesh's connected parts.
+// One-rings compared with a brute-force search of all pairs, and the mesh's connected parts.
 #include "host/build/one_ring.h"
 
 #include <set>
@@ -30,7 +30,7 @@ TEST(OneRing, HoldsExactlyThePairsThatShareATetrahedron) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> listed;
   for (std::uint32_t i = 0; i < rings.size(); ++i)
     for (const std::uint32_t j : rings[i]) listed.emplace_back(i, j);
-  // A set iterates in ascending order, which the lists must have too.
+  // A set iterates in ascending order; the lists must be ascending too.
   const auto expected = pairs_by_brute_force(mesh);
   EXPECT_TRUE(std::equal(listed.begin(), listed.end(), expected.begin(), expected.end()));
 }
@@ -50,7 +50,7 @@ TEST(OneRing, MirrorLeadsToTheOppositeEntryAndBack) {
 }
 
 TEST(OneRing, PartsAreCountedByTheirLowestVertex) {
-  // Vertices 0 2 4 6 and 1 3 5 7 with no edge between them.
+  // Vertices 0 2 4 6 and 1 3 5 7, with no edge between the two groups.
   const build::OneRings rings = build::one_rings(8, {{0, 2, 4, 6}, {1, 3, 5, 7}});
   const build::Parts parts = build::connected_parts(rings);
   EXPECT_EQ(parts.count, 2u);

@@ -1,5 +1,5 @@
-// The two sets of weights, the builder's (pulls, shares, rest centres) and the Oracle's (w_ir from the rest
-// data alone), were written apart from each other: here they meet, on random scenes.
+// The builder's weights (pulls, shares, rest centres) and the Oracle's (w_ir from the rest data alone) were
+// written independently. This compares them on random scenes.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -20,7 +20,7 @@ using model::Model;
 
 constexpr unsigned scene_count = 100;
 
-// A bar of random size, shape, fibres and materials in up to three layers, one of them sometimes kinematic.
+// A bar of random size, shape, fibres and materials, in up to three layers; one is sometimes kinematic.
 scene::Scene random_bar(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -53,7 +53,7 @@ scene::Scene random_bar(unsigned seed) {
   return scene;
 }
 
-// For every entry (r, i) of the one-rings, and for every vertex's own region.
+// Shares and their error bounds, of the entries (r, i) of the one-rings and of own regions.
 struct Shares {
   const Model& model;
   double own(std::uint32_t i) const {
@@ -63,14 +63,14 @@ struct Shares {
     return rest;
   }
   std::uint32_t neighbours(std::uint32_t i) const { return model.ring_offset[i + 1] - model.ring_offset[i]; }
-  // How far a share of i may lie from the exact one. Each is rounded to a multiple of 2^-16. What remains for
-  // the own region carries the error of all of them; where nothing would remain, rounding up is given back by
-  // the largest.
+  // How far a share of i may be from the exact one. Each is rounded to a multiple of 2^-16. The remainder for
+  // the own region has the error of all of them. If nothing would remain, the largest share gives back the
+  // excess.
   double error_of_taken(std::uint32_t i) const { return own(i) > 0.0 ? 0x1p-17 : 0x1p-17 * neighbours(i); }
   double error_of_own(std::uint32_t i) const { return 0x1p-17 * neighbours(i); }
 };
 
-// Pulls are floats and carry one power of two: what turns the Oracle's kilograms into the Model's pulls.
+// Pulls are floats with a common power of two, which converts the Oracle's kilograms to the Model's pulls.
 double common_factor(const Model& model, const Oracle& oracle) {
   double factor = 0.0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -83,8 +83,8 @@ double common_factor(const Model& model, const Oracle& oracle) {
     }
     const double here = double{model.pull[i]} / sum;
     if (factor == 0.0) factor = std::exp2(std::round(std::log2(here)));
-    // 2^-24 for the rounding of the pull, and twice that for the square of the length of a fibre of floats,
-    // which only the Oracle takes as a direction.
+    // 2^-24 for the rounding of the pull, plus twice that for the squared length of a float fibre, which only
+    // the Oracle normalises.
     EXPECT_NEAR(here / factor, 1.0, 0x1p-22) << "vertex " << i;
   }
   return factor;
@@ -115,7 +115,7 @@ TEST(BuilderAndOracle, AgreeOnEveryWeight) {
     }
   }
   EXPECT_GT(compared, 10000u);
-  EXPECT_GT(fibrous, compared / 4) << "without fibres the weights are masses, and agreeing is easy";
+  EXPECT_GT(fibrous, compared / 4) << "without fibres weights are just masses, and agreement proves little";
 }
 
 TEST(BuilderAndOracle, AgreeOnRestCentresAndRegionWeights) {
@@ -147,10 +147,9 @@ TEST(BuilderAndOracle, AgreeOnRestCentresAndRegionWeights) {
       }
       c0 /= W;
       W *= factor;
-      // The weights are off by `doubt` together; a relative error e of the weights moves 1/W by e, and the
-      // centre by e times the reach of the region (weights off by e, a mean of points within that reach).
-      // Floats add 2^-24 of the numbers themselves, taken four times for the sums. Regions that are all doubt
-      // say nothing.
+      // The total error of the weights is `doubt`. A relative error e of the weights changes 1/W by e and the
+      // centre by e times the region's reach. Floats add a relative 2^-24, taken four times for the sums.
+      // Regions with a large e prove nothing and are skipped.
       const double e = doubt / W;
       if (e > 0.1) continue;
       EXPECT_NEAR(inverse * W, 1.0, 1.2 * e + 0x1p-22) << "region " << r;
@@ -163,7 +162,7 @@ TEST(BuilderAndOracle, AgreeOnRestCentresAndRegionWeights) {
   EXPECT_GT(compared, 2000u);
 }
 
-// The control: another beta, and the comparison above would fail by far more than it allows.
+// The control: with another beta the comparison fails by far more than its tolerance.
 TEST(BuilderAndOracle, DisagreeWhereAParameterDiffers) {
   scene::Scene scene = bar_scene();
   const Model m = build_quietly(scene);

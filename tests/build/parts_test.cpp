@@ -1,5 +1,5 @@
-// Where shapes by material and object, joints with and without those below them, and flesh of some joints
-// only.
+// Where shapes by material and object, joints with and without their descendants, and flesh of only some
+// joints.
 #include <filesystem>
 #include <set>
 
@@ -16,7 +16,7 @@ namespace {
 
 using build::Vector3d;
 
-// A cell of 1 m with two tetrahedra's corners; the skin's half below y = 0.5 is a shoe, the other a shirt.
+// Four vertices of a body about 1 m in size. The skin below y = 0.5 is a shoe, the rest a shirt.
 build::Body two_parts() {
   build::Body body;
   body.mesh.vertices = {{0, 0.1, 0}, {0.5, 0.2, 0.1}, {0, 0.9, 0}, {0.5, 0.8, 0.1}};
@@ -43,7 +43,7 @@ TEST(Parts, AnUnknownNameIsRefusedWithTheNearest) {
   const build::Body body = two_parts();
   try {
     inside(body, scene::PartSet{{"lether"}, false});
-    FAIL() << "was taken";
+    FAIL() << "was accepted";
   } catch (const scene::SceneError& error) {
     EXPECT_NE(std::string(error.what())
                   .find("layers.fat.where.material.names: no material is called \"lether\"; did "
@@ -61,7 +61,7 @@ TEST(Parts, JointsCountWithThoseBelowThemUnlessSaidOtherwise) {
   EXPECT_EQ(inside(body, scene::JointSet{{"thigh"}, 0.5, false}), (std::vector<char>{1, 1, 0, 0}));
 }
 
-// Free vertices of the made arm, by the joint with the largest weight.
+// Free vertices of the built-in arm, grouped by the joint with the largest weight.
 std::set<std::uint32_t> joints_with_free_flesh(const std::vector<std::string>& only) {
   scene::SceneOverrides overrides;
   overrides.only = only;

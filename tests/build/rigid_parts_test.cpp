@@ -1,5 +1,5 @@
-// Parts of the skin that the rig moves rigidly, on a soft trunk made for it: a round column from y = 0
-// to 1.4, with a plate before its chest.
+// Parts of the skin that the rig moves rigidly, on a soft trunk: a round column from y = 0 to 1.4, with a
+// plate in front of its chest.
 #include "host/build/rigid_parts.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ constexpr double trunk_radius = 0.2, trunk_height = 1.4;
 constexpr std::uint32_t trunk_around = 24;
 enum Joint : std::uint32_t { pelvis, chest, plate_joint };
 
-// What hangs on the trunk: a surface, where, and by which weights.
+// A part attached to the trunk: surface, position and weights.
 struct Piece {
   mesh::SurfaceMesh surface;
   Vector3d place;
@@ -56,7 +56,8 @@ void add(rig::Character& c, const Piece& piece) {
   }
 }
 
-// The trunk's lower half follows the pelvis and its upper one the chest, hard or blended over 0.4 m.
+// The trunk's lower half follows the pelvis and its upper half the chest, with a hard border or blended over
+// 0.4 m.
 rig::Character trunk_with(const std::vector<Piece>& pieces, bool is_hard = false) {
   std::vector<Vector3d> line;
   for (int k = 0; k <= 28; ++k) line.emplace_back(0, trunk_height * k / 28, 0);
@@ -110,7 +111,7 @@ std::size_t count_rigid(const scene::Scene& scene) {
       std::count(found.rigid.is_rigid.begin(), found.rigid.is_rigid.end(), char{1}));
 }
 
-// A pose that turns and moves each joint otherwise.
+// A different rotation and translation for each joint.
 Eigen::Matrix4d pose_of(std::uint32_t joint) {
   Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
   const double angle = 0.3 + 0.4 * joint;
@@ -124,7 +125,7 @@ Vector3d moved(const Eigen::Matrix4d& pose, const Vector3d& p) {
   return pose.block<3, 3>(0, 0) * p + pose.block<3, 1>(0, 3);
 }
 
-// Where skinning alone has a vertex of the model.
+// The position of a model vertex by skinning alone.
 Vector3d skinned(const model::Model& m, std::uint32_t vertex) {
   Vector3d rest;
   for (int a = 0; a < 3; ++a)
@@ -136,8 +137,8 @@ Vector3d skinned(const model::Model& m, std::uint32_t vertex) {
   return sum;
 }
 
-// How far a render vertex is from where skinning of the file's own weights has it, if its corners go by
-// skinning; and whether all of them do.
+// If all corners move by skinning, how far a render vertex is from the file's own skinning; and whether all
+// corners are kinematic.
 struct Ride {
   double error = 0.0;
   bool is_kinematic = true;
@@ -157,7 +158,7 @@ Ride ride_of(const model::Model& m, const rig::Character& c, std::uint32_t verte
   return ride;
 }
 
-// Rest places are floats of a body of 1.4 m, some 1e-7 m each, and weights on a carrier reach 2.
+// Rest positions are floats of a 1.4 m body, with errors of about 1e-7 m; weights on a carrier reach 2.
 constexpr double ride_tolerance = 2e-6;
 
 TEST(RigidParts, APlateRidesOnItsJointAlone) {
@@ -175,7 +176,7 @@ TEST(RigidParts, APlateRidesOnItsJointAlone) {
     EXPECT_TRUE(ride.is_kinematic) << v;
     EXPECT_LT(ride.error, ride_tolerance) << v;
   }
-  // The flesh behind it is held, that of the back is free.
+  // The flesh behind the plate is held; the flesh of the back is free.
   std::size_t held = 0, free = 0;
   for (std::uint32_t v = 0; v < part.first_vertex; ++v) {
     const Vector3d& p = character.surface.vertices[v];
@@ -188,12 +189,12 @@ TEST(RigidParts, APlateRidesOnItsJointAlone) {
   }
   EXPECT_GT(held, 0u);
   EXPECT_GT(free, 50u);
-  // Nothing but the plate's carrier stands apart, and that is no warning.
+  // Only the plate's carrier is a separate part, and that is not worth a warning.
   for (const build::Warning& warning : report.warnings)
     EXPECT_EQ(warning.text.find("do not touch"), std::string::npos) << warning.text;
 }
 
-// The control: the same plate, told to be flesh, rides on what is around it.
+// The control: the same plate, declared simulated, is flesh.
 TEST(RigidParts, APlateThatIsSimulatedIsFlesh) {
   scene::Scene scene = scene_of(trunk_with({plate()}));
   scene.skeleton.simulated = {"PlateJoint"};
@@ -219,7 +220,7 @@ TEST(RigidParts, OnePieceOfHardWeightsIsFlesh) {
   EXPECT_EQ(count_rigid(scene_of(trunk_with({}, true))), 0u);
 }
 
-// The trunk with what lies on its front from `low` to `high` taken out and put back in a material of its own.
+// The trunk with the front patch from `low` to `high` cut out and put back with another material.
 scene::Scene inlaid_trunk(double low, double high, const std::string& material,
                           double weight_of_chest = 1.0) {
   rig::Character c = trunk_with({});
@@ -259,14 +260,14 @@ TEST(RigidParts, AToothThatIsModelledIntoTheSkinIsRigid) {
   EXPECT_EQ(found.rigid.report[0].name, "Body / Tooth");
   EXPECT_EQ(found.rigid.report[0].joint, "Chest");
   EXPECT_EQ(count_rigid(scene), character.parts[1].vertex_count);
-  // It is in the skin, not apart from it.
+  // It is part of the skin, not separate.
   EXPECT_EQ(std::count(found.rigid.is_apart.begin(), found.rigid.is_apart.end(), char{1}), 0);
   const model::Model m = build_with(scene, with_mesher());
   for (std::uint32_t v = character.parts[1].first_vertex; v < character.surface.vertices.size(); ++v)
     EXPECT_LT(ride_of(m, character, v).error, ride_tolerance) << v;
 }
 
-// The controls: without a material of its own, with blended weights, or large, it is flesh.
+// The controls: with blended weights, with a large patch, or without a separate material, it is flesh.
 TEST(RigidParts, OtherPatchesOfTheSkinAreFlesh) {
   EXPECT_EQ(count_rigid(inlaid_trunk(1.08, 1.22, "Tooth", 0.8)), 0u);
   EXPECT_EQ(count_rigid(inlaid_trunk(0.95, 1.35, "Bib")), 0u);
@@ -276,11 +277,11 @@ TEST(RigidParts, OtherPatchesOfTheSkinAreFlesh) {
 }
 
 TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
-  // As large as the trunk: half of the skin.
+  // As large as the trunk, so half of the skin.
   Piece twin{{}, {1, 0, 0}, {{plate_joint, 1.0}}, "Twin", ""};
   twin.surface = trunk_with({}).surface;
   EXPECT_EQ(count_rigid(scene_of(trunk_with({twin}))), 0u);
-  // A robot: the trunk follows the pelvis, its twin a joint of its own.
+  // A robot: the trunk follows the pelvis, and its twin follows another joint.
   rig::Character robot = trunk_with({twin});
   for (std::size_t v = 0; v < robot.parts[0].vertex_count; ++v) robot.weights[v] = {1.0, 0.0};
   const scene::Scene scene = scene_of(robot);
@@ -290,13 +291,13 @@ TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
   EXPECT_EQ(m.vertex_count, 8u);
   ASSERT_EQ(report.rigid_parts.size(), 2u);
   EXPECT_NE(report.rigid_parts[0].reason.find("robot"), std::string::npos);
-  // What is said of flesh means nothing here: that its layer is empty, that parts do not touch.
+  // Warnings about flesh, such as empty layers or parts that do not touch, make no sense here.
   for (const build::Warning& warning : report.warnings) ADD_FAILURE() << warning.text;
   for (std::uint32_t v = 0; v < robot.surface.vertices.size(); ++v)
     EXPECT_LT(ride_of(m, robot, v).error, ride_tolerance) << v;
 }
 
-// The control: flesh that a bone layer takes by its shapes alone is warned of, and so is an odd size.
+// The control: flesh that becomes rigid only through a bone layer's shapes gives a warning.
 TEST(RigidParts, FleshThatLayersMakeRigidIsWarnedOf) {
   scene::Scene scene = scene_of(trunk_with({plate()}));
   scene.layers[1].where = {scene::Everywhere{}};
@@ -308,8 +309,8 @@ TEST(RigidParts, FleshThatLayersMakeRigidIsWarnedOf) {
   }));
 }
 
-// The plate comes first in the file and has a seam, and the trunk is open: its rim is named by the file's
-// numbers, and the plate has as many vertices as in the file.
+// The plate comes first in the file and has a seam, and the trunk is open. Vertices of the trunk's rim are
+// reported by the file's numbers, and the plate's vertices are counted as in the file.
 TEST(RigidParts, VerticesAreCountedAsInTheFile) {
   rig::Character c = trunk_with({});
   Piece trunk{c.surface, Vector3d::Zero(), {{pelvis, 1.0}}, "Body", "Skin"}, seamed = plate();
@@ -353,10 +354,10 @@ TEST(RigidParts, CanBeAskedFor) {
   }
   scene::Scene scene = scene_of(character);
   scene.skeleton.rigid = {"PlateJoint"};
-  EXPECT_EQ(count_rigid(scene), 7u);  // the last vertex has 0.1 of it
+  EXPECT_EQ(count_rigid(scene), 7u);  // the last vertex has only a weight of 0.1
   scene.skeleton.rigid = {"Stel"};
   expect_refusal([&] { find_in(scene); }, "did you mean Steel");
-  // Painted: one patch of the trunk, which stays in one piece.
+  // Painted: a patch of the trunk, which stays connected to it.
   rig::PaintedAttribute paint{"_RIGID", 1, {}};
   for (const Vector3d& p : character.surface.vertices)
     paint.values.push_back(p[1] > 1.2 && p[2] < 0.3 && std::abs(p[0]) < 0.5 ? 1.0 : 0.0);

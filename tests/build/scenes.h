@@ -1,4 +1,4 @@
-// Scenes and checks that the build tests share.
+// Scenes and checks shared by the build tests.
 #pragma once
 
 #include <filesystem>
@@ -42,7 +42,7 @@ inline model::Model build_quietly(const scene::Scene& scene) {
   return build_with(scene, {});
 }
 
-// Expects a SceneError whose text holds `part`.
+// Expects a SceneError whose message contains `part`.
 inline void expect_refusal(const std::function<void()>& action, const std::string& part) {
   try {
     action();
@@ -52,7 +52,7 @@ inline void expect_refusal(const std::function<void()>& action, const std::strin
   }
 }
 
-// An uneven bar of implicit flesh that hangs on its pins.
+// An irregular bar of implicit flesh that hangs from its pins.
 inline scene::Scene elastic_scene(double E) {
   scene::Scene scene = bar_scene();
   scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};

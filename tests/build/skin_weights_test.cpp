@@ -17,7 +17,7 @@ namespace {
 
 using scene::Vector3d;
 
-// A bar whose surface vertices come first, as tetrahedralize() leaves them.
+// A bar whose surface vertices come first, as tetrahedralize() returns them.
 struct SurfaceFirst {
   mesh::TetMesh mesh;
   std::size_t surface_count = 0;
@@ -85,15 +85,16 @@ double weight_of(const build::SkinWeights& skin, std::size_t i, std::uint32_t jo
 }
 
 TEST(SkinWeights, ALinearFieldGoesOnInsideUnchanged) {
-  // Linear functions are harmonic, and linear finite elements hold them exactly, on jittered tetrahedra too.
+  // Linear functions are harmonic, and linear finite elements represent them exactly, even on jittered
+  // tetrahedra.
   const SurfaceFirst bar = bar_surface_first({.size = {1, 0.5, 0.5}, .vertices = {11, 6, 6}, .jitter = 0.2});
   const rig::Character character =
       character_on(bar, 2, [](const Vector3d& p, std::uint32_t j) { return j == 0 ? 1.0 - p[0] : p[0]; });
   const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   ASSERT_EQ(skin.offset.size(), bar.mesh.vertices.size() + 1);
   for (std::size_t i = 0; i < bar.mesh.vertices.size(); ++i)
-    // The solve stops at 1e-8 of the right side, which the condition (about 1e2) may raise; shares below 1e-4
-    // are dropped.
+    // The solve stops at 1e-8 of the right-hand side, which the condition number (about 1e2) may amplify;
+    // shares below 1e-4 are dropped.
     EXPECT_NEAR(weight_of(skin, i, 1), bar.mesh.vertices[i][0], i < bar.surface_count ? 1.01e-4 : 1e-6);
 }
 
@@ -135,7 +136,7 @@ TEST(SkinWeights, DoNotDependOnTheNumberOfThreads) {
 }
 
 TEST(SkinWeights, InsideIsBoundedByTheSurface) {
-  // Two joints, sharp border: undershoot below 0 and overshoot above 1 are cut.
+  // Two joints with a sharp border: values below 0 and above 1 are clamped.
   const SurfaceFirst bar = bar_surface_first({.vertices = {12, 6, 6}, .jitter = 0.3});
   const rig::Character character = character_on(
       bar, 2, [](const Vector3d& p, std::uint32_t j) { return (p[0] < 0.2) == (j == 0) ? 1.0 : 0.0; });
@@ -144,7 +145,7 @@ TEST(SkinWeights, InsideIsBoundedByTheSurface) {
     const double second = weight_of(skin, i, 1);
     EXPECT_GE(second, 0.0);
     EXPECT_LE(second, 1.0);
-    // Away from the border by more than the bar's half width the nearer joint has most of the weight.
+    // Beyond half of the bar's width from the border, the nearer joint has most of the weight.
     if (bar.mesh.vertices[i][0] < 0.12) {
       EXPECT_LT(second, 0.2);
     }
@@ -158,7 +159,7 @@ TEST(SkinWeights, AWeldedVertexTakesTheMean) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {3, 3, 3}});
   rig::Character character =
       character_on(bar, 2, [](const Vector3d&, std::uint32_t j) { return j == 0 ? 1.0 : 0.0; });
-  // A second vertex in the place of vertex 0, wholly joint 1's.
+  // A second vertex at the position of vertex 0, with all its weight on joint 1.
   character.surface.vertices.push_back(character.surface.vertices[0]);
   character.joints.push_back({1});
   character.weights.push_back({1.0});

@@ -1,5 +1,5 @@
-// Numbers too small to work with: an alpha below 2^-40 becomes zero, and regions of almost no moment are
-// named.
+// Numbers too small to use: an alpha below 2^-40 becomes zero, and regions with almost no moment are
+// reported.
 #include <gtest/gtest.h>
 
 #include "tests/build/scenes.h"
@@ -8,7 +8,7 @@ namespace fascicle::tests {
 
 namespace {
 
-// Two tetrahedra that do not touch, the second `ratio` times the size of the first.
+// Two separate tetrahedra; the second is `ratio` times the size of the first.
 scene::Scene two_tetrahedra(double ratio) {
   mesh::TetMesh mesh;
   for (const double size : {1.0, ratio}) {
@@ -32,8 +32,8 @@ std::vector<build::Warning> stillness_warnings(const scene::Scene& scene) {
   return found;
 }
 
-// Masses go with the cube of the size and moments with its fifth power: 2^-9 gives 2^-45 of the larger one's,
-// 2^-7 gives 2^-35. The mean is half of the larger one's.
+// Masses scale with the cube of the size and moments with its fifth power: 2^-9 gives 2^-45 of the larger
+// moment, 2^-7 gives 2^-35. The mean moment is half of the larger one.
 TEST(SmallNumbers, RegionsThatNeverTurnAreNamed) {
   const auto warnings = stillness_warnings(two_tetrahedra(0x1p-9));
   ASSERT_EQ(warnings.size(), 1u);
@@ -46,8 +46,8 @@ TEST(SmallNumbers, RegionsThatTurnAreNot) {
   EXPECT_TRUE(stillness_warnings(bar_scene()).empty());
 }
 
-// A push is shared by the masses: between a gas of nothing and flesh it cannot be. Alone, either may be as
-// light.
+// A push is distributed by mass, which is impossible between flesh and an almost massless gas. On its own,
+// either may be that light.
 TEST(SmallNumbers, LayersThatShareAPushAreOfMassesThatCompare) {
   scene::Scene scene = bar_scene();
   scene.contact.self = true;
@@ -64,7 +64,7 @@ TEST(SmallNumbers, LayersThatShareAPushAreOfMassesThatCompare) {
   EXPECT_NO_THROW(model::check_model(build_quietly(scene)));
 }
 
-// An alpha so small is no stiffness: the vertex is free, its pull nothing.
+// Such a small alpha means no stiffness: the vertex is free and its pull is zero.
 TEST(SmallNumbers, AnAlphaBelowTheLeastBuildsAFreeBody) {
   scene::Scene scene = bar_scene();
   scene.layers[0].alpha = 1e-40;

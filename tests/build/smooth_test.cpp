@@ -1,4 +1,4 @@
-// Smoothing against places known by symmetry, and on a mesh that was shaken.
+// Smoothing, compared with positions known by symmetry, and on a distorted mesh.
 #include "host/build/smooth.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ double worst_quality(const TetMesh& mesh) {
   return worst;
 }
 
-// A point amid an octahedron's eight faces.
+// A point inside an octahedron, connected to its eight faces.
 TetMesh octahedron(const Vector3d& middle) {
   TetMesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, middle};
@@ -38,7 +38,8 @@ TetMesh octahedron(const Vector3d& middle) {
   return mesh;
 }
 
-// Kuhn tetrahedra, the inner vertices moved by up to two fifths of the spacing where nothing turns.
+// Kuhn tetrahedra; inner vertices are displaced by up to two fifths of the spacing unless that inverts a
+// tetrahedron.
 TetMesh shaken_bar() {
   TetMesh mesh = build::make_bar({.size = {8.0, 5.0, 5.0}, .vertices = {9, 6, 6}}, "test");
   std::vector<char> outside(mesh.vertices.size(), 0);
@@ -62,7 +63,7 @@ TEST(Smooth, QualityIsOneForTheRegularTetrahedronWhateverItsSizeAndNothingForAFl
     const TetMesh regular{{size * Vector3d(1, 1, 1), size * Vector3d(-1, -1, 1), size * Vector3d(-1, 1, -1),
                            size * Vector3d(1, -1, -1)},
                           {t}};
-    // A dozen roundings.
+    // The tolerance covers about a dozen roundings.
     EXPECT_NEAR(build::shape_quality(regular, t), 1.0, 1e-14) << size;
   }
   const TetMesh flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {t}};
@@ -72,8 +73,8 @@ TEST(Smooth, QualityIsOneForTheRegularTetrahedronWhateverItsSizeAndNothingForAFl
 TEST(Smooth, AVertexGoesToTheMiddleOfAnOctahedron) {
   TetMesh mesh = octahedron({0.5, -0.3, 0.1});
   build::smooth_inside(mesh, std::vector<char>(7, 0));
-  // Near the middle the sum is 1 + 2.8 |x|^2 of its least, and steps end that gain less than a thousandth of
-  // it: at 0.03, 2.5 thousandths are left to gain. It started at 0.59.
+  // Near the centre the sum is 1 + 2.8 |x|^2 times its minimum, and smoothing stops when a step gains less
+  // than a thousandth: at 0.03, 2.5 thousandths remain. The vertex starts at 0.59.
   EXPECT_LT(mesh.vertices[6].norm(), 0.03);
   const TetMesh before = octahedron({0.5, -0.3, 0.1});
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(mesh.vertices[i], before.vertices[i]) << i;
@@ -90,7 +91,7 @@ TEST(Smooth, AShakenBarLosesItsFlatTetrahedraAndKeepsItsOutside) {
   TetMesh mesh = shaken_bar();
   const TetMesh before = mesh;
   const double shaken = worst_quality(mesh);
-  // Kuhn's own are (2/3)^3 3/4 = 0.22 everywhere, so the bar asked of smoothing can be met.
+  // All of Kuhn's tetrahedra have (2/3)^3 3/4 = 0.22, so smoothing can meet this bound.
   const double still =
       worst_quality(build::make_bar({.size = {8.0, 5.0, 5.0}, .vertices = {9, 6, 6}}, "test"));
   ASSERT_LT(shaken, 0.01);

@@ -1,4 +1,4 @@
-// Substeps and iterations that a scene leaves to "auto", and the errors that are foretold of those it states.
+// Substeps and iterations of "auto", and the predicted errors of explicit ones.
 #include "host/build/steps.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using model::Model;
 
 struct Chosen {
   build::Steps steps;
-  std::vector<build::Warning> warnings;  // of the choice alone
+  std::vector<build::Warning> warnings;  // of the choice of steps only
   Model model;
 };
 
@@ -42,7 +42,7 @@ scene::Scene auto_scene(double E, double fps = 60.0) {
   return scene;
 }
 
-// The largest K H^2 / m of a free vertex: the bar swings by itself.
+// The largest K H^2 / m of any free vertex.
 double stiffness_of_step(const Chosen& c, double fps) {
   double largest = 0.0;
   for (std::uint32_t i = 0; i < c.model.vertex_count; ++i)
@@ -67,7 +67,7 @@ TEST(Steps, AsManyASecondAtEveryFrameRate) {
   }
 }
 
-// The iterations are the least that resolve the stiffness, and are soon at their most; then substeps grow.
+// Iterations are the fewest that resolve the stiffness and soon reach their maximum; then substeps grow.
 TEST(Steps, IterationsFollowTheStiffness) {
   std::uint32_t before = 0;
   for (const double E : {1e3, 1e4, 1e5, 1e6, 1e7, 1e8}) {
@@ -102,7 +102,7 @@ TEST(Steps, ALowestModeIsStepped) {
   }
 }
 
-// Iterations that a scene states are kept, and said to be too few where they are.
+// A scene's own number of iterations is kept; if it is too low, a warning says so.
 TEST(Steps, TooFewIterationsAreToldOf) {
   scene::Scene scene = auto_scene(2e6);
   scene.solver.auto_substeps = false;
@@ -126,7 +126,7 @@ TEST(Steps, TooFewIterationsAreToldOf) {
   }
 }
 
-// A volume term takes a share of each iteration, so it takes more of them.
+// A volume term uses up a share of each iteration, so it needs more of them.
 TEST(Steps, AVolumeTermTakesMoreIterations) {
   scene::Scene scene = auto_scene(1e6);
   const std::uint32_t without = chosen(scene).steps.iterations;
@@ -149,7 +149,7 @@ TEST(Steps, TooFewSubstepsAreToldOf) {
   EXPECT_TRUE(chosen(scene).warnings.empty());
 }
 
-// What is foretold of a swing, against BDF2 itself on v' = -w^2 x, x' = v.
+// The predicted error of an oscillation, compared with BDF2 itself on v' = -w^2 x, x' = v.
 TEST(Steps, ASwingIsAsMuchSlowerAsForetold) {
   scene::Scene scene = auto_scene(2e7);
   scene.layers[0].frequency = 5.0;
@@ -159,9 +159,9 @@ TEST(Steps, ASwingIsAsMuchSlowerAsForetold) {
     scene.solver.substeps = substeps;
     const build::StepError error = chosen(scene).steps.error;
     const double phase = 2.0 * M_PI * 5.0 / (60.0 * substeps);
-    // The root of (3/2 - i p) z^2 - 2 z + 1/2 = 0 near 1, of z' = i w z.
+    // The root near 1 of (3/2 - i p) z^2 - 2 z + 1/2 = 0, for z' = i w z.
     const std::complex<double> a(1.5, -phase), root = (2.0 + std::sqrt(4.0 - 2.0 * a)) / (2.0 * a);
-    // Both are the leading terms: the next ones are smaller by p^2, at most 0.07.
+    // Both predictions are leading terms; the next ones are smaller by p^2, at most 0.07.
     EXPECT_NEAR(error.slower, 1.0 - std::arg(root) / phase, 0.15 * error.slower);
     EXPECT_NEAR(error.lost, 1.0 - std::pow(std::abs(root), 2.0 * M_PI / phase), 0.2 * error.lost);
   }
@@ -181,7 +181,7 @@ TEST(Steps, ExplicitSubstepsFollowFrameRateAndSpacing) {
   };
   const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
   EXPECT_GT(coarse, 4u);
-  // Rounded up; and a finer bar has a smaller part of its edges at the surface.
+  // Rounded up; and in a finer bar a smaller part of the edges is on the surface.
   EXPECT_NEAR(substeps({11, 3, 3}, 15.0), 2.0 * coarse, 1.0);
   EXPECT_NEAR(substeps({21, 5, 5}, 30.0), 2.0 * coarse, 1.0);
   EXPECT_EQ(substeps({11, 3, 3}, 1000.0), 4u);

@@ -1,4 +1,4 @@
-// Young's modulus, frequency and damping ratio on their way into a Model, against the Oracle's own formulas.
+// How Young's modulus, frequency and damping ratio enter a Model, compared with the Oracle's formulas.
 #include "host/build/stiffness.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using model::Model;
 
-// The Oracle solves for the compliance on nine entries of the strain; the build takes it from S's invariants.
+// The Oracle solves for the compliance on nine entries of the strain; the build uses the invariants of S.
 TEST(Stiffness, IsTheOracles) {
   const Model m = build_quietly(elastic_scene(1.7e4));
   check_model(m);
@@ -23,8 +23,8 @@ TEST(Stiffness, IsTheOracles) {
   const std::vector<double> K = cpu_reference::vertex_stiffness(m, k);
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
     EXPECT_EQ(m.youngs_modulus[i], 1.7e4);
-    // Volumes are taken from positions in double here, from floats there: 1e-7 of the body over a cell's
-    // size.
+    // Volumes come from double positions here and from float positions there: 1e-7 of the body divided by a
+    // cell's size.
     EXPECT_NEAR(m.stiffness[i] * m.mass[i], K[i], 1e-5 * K[i]);
   }
 }
@@ -44,7 +44,7 @@ TEST(Stiffness, OfARegularTetrahedronIsByHand) {
   for (const double stiffness : m.stiffness) EXPECT_NEAR(stiffness, 4.0 * 1e3 / (4.0 * 600.0), 1e-6);
 }
 
-// A kinematic layer states no modulus: its regions are as stiff as the flesh they reach into.
+// A kinematic layer has no modulus; its regions are as stiff as the flesh they reach into.
 TEST(Stiffness, ARegionWithoutAModulusTakesItsNeighbours) {
   scene::Scene scene = elastic_scene(5e3);
   scene::Layer bone;
@@ -55,7 +55,8 @@ TEST(Stiffness, ARegionWithoutAModulusTakesItsNeighbours) {
   for (const double E : build_quietly(scene).youngs_modulus) EXPECT_NEAR(E, 5e3, 1e-9);
 }
 
-// The lowest mode scales with the root of E, does not care for the unit, and stays with refinement.
+// The lowest mode scales with the root of E: twice the frequency takes four times the modulus, and a modulus
+// gives back its frequency.
 TEST(Stiffness, FrequencyGivesAModulus) {
   scene::Scene scene = elastic_scene(2e4);
   scene.layers[0].youngs_modulus.reset();
@@ -73,7 +74,7 @@ TEST(Stiffness, FrequencyGivesAModulus) {
   EXPECT_NEAR(build_quietly(by_modulus).layers[0].frequency, 2.5, 1e-6);
 }
 
-// Stopped early, the quotient lies above the mode's, and says that it may.
+// Stopped early, the quotient is above the mode's, and it is reported as not settled.
 TEST(Stiffness, AnUnsettledLowestModeSaysSo) {
   const Model m = build_quietly(elastic_scene(2e4));
   const build::OneRings rings{m.ring_offset, m.ring};

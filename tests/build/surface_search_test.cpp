@@ -1,4 +1,4 @@
-// Searches on surfaces, against looking at every triangle.
+// Searches on surfaces, compared with exhaustive ones.
 #include "host/build/surface_search.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ using build::SurfaceSearch;
 using mesh::SurfaceMesh;
 using scene::Vector3d;
 
-// The library's distributions differ between implementations; this does not.
+// Distributions of the standard library differ between implementations; this one does not.
 class Random {
  public:
   double operator()(double low, double high) {
@@ -45,8 +45,8 @@ SurfaceMesh torus(double radius, double tube, std::uint32_t around, std::uint32_
   return mesh;
 }
 
-// Minimises over the triangle's plane coordinates by trying its interior and its sides: written from the
-// definition, with a least-squares solve where the library uses cross products.
+// Minimises over the triangle's interior and its sides, following the definition: a least-squares solve where
+// the library uses cross products.
 double distance_by_definition(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const auto to_segment = [&](const Vector3d& from, const Vector3d& to) {
     const double length2 = (to - from).squaredNorm();
@@ -78,7 +78,7 @@ TEST(SurfaceSearch, NearestPlaceIsAsNearAsTheNearestOfAllTriangles) {
   for (int k = 0; k < 400; ++k) {
     const Vector3d p = random.point(1.8);
     const SurfacePoint found = search.nearest(p);
-    // Two ways of computing one distance near 1 differ by their rounding.
+    // Two ways to compute a distance near 1 differ by rounding.
     EXPECT_NEAR(found.distance, distance_to_all(mesh, p), 1e-12);
     EXPECT_NEAR((found.point - p).norm(), found.distance, 1e-15);
     const auto& t = mesh.triangles[found.triangle];
@@ -133,7 +133,7 @@ TEST(SurfaceSearch, TrianglesWithoutAreaAreSegmentsAndPoints) {
   EXPECT_DOUBLE_EQ(build::nearest_on_triangle({1, 2, 0}, a, b, {2, 0, 0}).distance, 2.0);
   EXPECT_DOUBLE_EQ(build::nearest_on_triangle({1, 2, 0}, a, a, b).distance, 2.0);
   EXPECT_DOUBLE_EQ(build::nearest_on_triangle({3, 4, 0}, a, a, a).distance, 5.0);
-  // A needle: its plane is rounding, its sides are not.
+  // A needle: its plane is lost in rounding, but its sides are not.
   EXPECT_NEAR(build::nearest_on_triangle({1, 2, 0}, a, b, {2, 1e-14, 1e-14}).distance, 2.0, 1e-12);
 }
 
@@ -152,7 +152,7 @@ TEST(SurfaceSearch, InsideIsToldWhateverWayTheTrianglesFace) {
   }
 }
 
-// A solid the inside of which has a closed form, and random places: the tree must not lose a crossing.
+// A solid whose inside has a closed form, at random points: the tree must not miss a crossing.
 TEST(SurfaceSearch, InsideOfATorusIsWhereItsTubeIs) {
   const SurfaceMesh mesh = torus(1.0, 0.4, 64, 48);
   const SurfaceSearch search(mesh);
@@ -161,7 +161,7 @@ TEST(SurfaceSearch, InsideOfATorusIsWhereItsTubeIs) {
   for (int k = 0; k < 2000; ++k) {
     const Vector3d p = random.point(1.5);
     const double from_tube = std::hypot(std::hypot(p[0], p[2]) - 1.0, p[1]);
-    // Facets lie inside the tube by at most their sagitta, 1 - cos(pi/48) of it and 1 - cos(pi/64) of 1.4.
+    // Facets are inside the tube by at most their sagitta: 1 - cos(pi/48) of the tube, 1 - cos(pi/64) of 1.4.
     if (std::abs(from_tube - 0.4) < 0.004) continue;
     inside += from_tube < 0.4;
     EXPECT_EQ(search.is_inside(p), from_tube < 0.4);

@@ -16,7 +16,7 @@ using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 TEST(Weld, MakesOneVertexOfEqualOnes) {
-  // A cube whose every triangle has corners of its own.
+  // A cube whose triangles share no vertices.
   const SurfaceMesh cube = cube_surface(2.0);
   SurfaceMesh split;
   for (const auto& t : cube.triangles) {
@@ -37,7 +37,7 @@ TEST(Weld, JoinsWithinABillionthOfTheDiagonalOnly) {
   const double diagonal = 2.0 * std::sqrt(3.0);
   const auto welded_with_gap = [&](double gap) {
     SurfaceMesh cube = cube_surface(2.0);
-    // Vertex 8: a copy of vertex 0, `gap` away, in one of its triangles.
+    // Vertex 8 is a copy of vertex 0, `gap` away, used in one of its triangles.
     cube.vertices.push_back(cube.vertices[0] + Vector3d(-gap, 0, 0));
     for (std::uint32_t& corner : cube.triangles[0])
       if (corner == 0) corner = 8;
@@ -92,7 +92,7 @@ TEST(Weld, RefusesMalformedSurfacesWithIds) {
 
 TEST(Bones, GivePointsInsideAndApart) {
   const SurfaceMesh cube = cube_surface(2.0);
-  // Through the cube and out of it, and a second bone over part of the first.
+  // One bone runs out of the cube; a second bone overlaps the first.
   const std::vector<build::Bone> bones = {{{-0.9, 0, 0}, {3, 0, 0}, {}}, {{0, 0, 0}, {0.5, 0.01, 0}, {}}};
   const std::vector<Vector3d> points = build::points_along_bones(bones, cube, 0.3);
   EXPECT_GE(points.size(), 5u);

@@ -17,7 +17,7 @@ inline mesh::SurfaceMesh cube_surface(double side) {
   return cube;
 }
 
-// A joint that stands unrotated at `place` in the bind pose.
+// A joint at `place`, without rotation in the bind pose.
 inline rig::Joint joint_at(const std::string& name, std::int32_t parent, const scene::Vector3d& place) {
   rig::Joint joint;
   joint.name = name;

@@ -1,5 +1,5 @@
-// The parent's side of fascicle-mesher: what it gives back on good surfaces, and one clear message for each
-// way to fail.
+// The parent's side of fascicle-mesher: the result for good surfaces, and one clear message for each kind of
+// failure.
 #include "host/build/tetrahedralize.h"
 
 #include <algorithm>
@@ -109,7 +109,7 @@ void expect_fills(const TetMesh& mesh, const SurfaceMesh& surface) {
     }
   }
   EXPECT_EQ(std::count(is_used.begin(), is_used.end(), false), 0);
-  // Rounding: both sums have at most 1e6 terms of either sign, each good to some 1e-15 of the body's volume.
+  // Both sums have at most 1e6 terms of either sign, each with an error of about 1e-15 of the body's volume.
   const double wanted = std::abs(volume_inside(surface));
   EXPECT_NEAR(volume, wanted, 1e-9 * wanted);
   for (Triangle t : surface.triangles) {
@@ -123,7 +123,7 @@ void expect_fills(const TetMesh& mesh, const SurfaceMesh& surface) {
 
 class Tetrahedralize : public ::testing::Test {
  protected:
-  // Temporary folders of the code under test go into one of ours, so that a leftover shows.
+  // Redirects temporary folders of the code under test into one of ours, so that leftovers are detected.
   void SetUp() override {
     std::string name = (fs::temp_directory_path() / "fascicle-test-XXXXXX").string();
     ASSERT_NE(::mkdtemp(name.data()), nullptr);
@@ -144,7 +144,7 @@ class Tetrahedralize : public ::testing::Test {
     fs::remove_all(folder_);
   }
 
-  // A mesher of a few lines of shell. $3 is the output's path.
+  // A shell script as mesher. $3 is the output's path.
   void fake_mesher(const std::string& script) {
     options_.mesher = folder_ / "fake-mesher";
     std::ofstream(options_.mesher) << "#!/bin/sh\n" << script << "\n";
@@ -208,7 +208,8 @@ TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
   own_edge /= 3.0 * static_cast<double>(surface.triangles.size());
   const TetMesh mesh = build::tetrahedralize(surface, 0.0, {}, options_);
   expect_fills(mesh, surface);
-  // The bound on volumes was calibrated here (measured: 0.997); another TetGen may differ by a few per cent.
+  // The bound on volumes was calibrated here (measured: 0.997); another TetGen version may differ by a few
+  // per cent.
   EXPECT_NEAR(mean_edge(mesh) / own_edge, 1.0, 0.05);
   const TetMesh finer = build::tetrahedralize(surface, 0.7 * own_edge, {}, options_);
   expect_fills(finer, surface);
@@ -273,7 +274,7 @@ TEST_F(Tetrahedralize, SurvivesMeshersThatEndBadly) {
   fake_mesher("echo 'free(): invalid pointer' >&2; kill -SEGV $$");
   const std::string crash = refusal(unit_cube);
   EXPECT_NE(crash.find("crashed (Segmentation fault); the surface may have"), std::string::npos) << crash;
-  EXPECT_EQ(crash.find("invalid pointer"), std::string::npos) << "it tells of the inside: " << crash;
+  EXPECT_EQ(crash.find("invalid pointer"), std::string::npos) << "it shows internals: " << crash;
   fake_mesher("kill -ABRT $$");
   EXPECT_REFUSED(refusal(unit_cube), "crashed (Aborted)");
   fake_mesher("exit 42");
@@ -292,14 +293,14 @@ TEST_F(Tetrahedralize, StopsMeshersThatDoNotEnd) {
   EXPECT_REFUSED(refusal(unit_cube), "stood still for 0.3 s");
   fake_mesher("while :; do echo noise >&2; done");
   EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
-  // A process it leaves behind goes with it, though it holds stderr open.
+  // Its child processes are killed too, even if they keep stderr open.
   fake_mesher("(sleep 2; touch '" + (folder_ / "survived").string() + "') & exit 8");
   EXPECT_REFUSED(refusal(unit_cube), "no tetrahedra");
   ::sleep(3);
   EXPECT_FALSE(fs::exists(folder_ / "survived"));
 }
 
-// As on a machine that is busy with other things: 4 s go by, of which it works for some thousandths.
+// As on a busy machine: 4 s pass, of which the mesher runs for a few milliseconds.
 TEST_F(Tetrahedralize, WaitsForMeshersThatGetLittleOfTheProcessor) {
   options_.mesher_seconds = 2.0;
   fake_mesher("i=0; while [ $i -lt 20 ]; do i=$((i+1)); sleep 0.2; done; exit 8");
@@ -311,12 +312,11 @@ TEST_F(Tetrahedralize, StopsMeshersThatEatMemory) {
   fake_mesher("x=0123456789abcdef; while :; do x=$x$x; done");
   const std::string message = refusal(unit_cube);
   EXPECT_EQ(message.find("longer than"), std::string::npos)
-      << message;  // it hit the memory limit, not the clock
+      << message;  // it reached the memory limit, not the time limit
   EXPECT_NE(message, "accepted");
 }
 
-// A cube of twelve triangles gets 256 MiB and 2 KiB for each of the tetrahedra that are due, and not the 4
-// GiB.
+// A cube of twelve triangles gets 256 MiB plus 2 KiB for each expected tetrahedron, not the full 4 GiB.
 TEST_F(Tetrahedralize, GivesMemoryByWhatIsDue) {
   fake_mesher("ulimit -v >&2; exit 6");
   EXPECT_REFUSED(refusal(unit_cube), "256 MiB set aside for a surface of 12 triangles at this resolution. ");
@@ -330,7 +330,7 @@ TEST_F(Tetrahedralize, GivesMemoryByWhatIsDue) {
   };
   const double coarse = limit(1.0), fine = limit(0.02);
   EXPECT_NEAR(coarse, 256 * 1024, 1024);
-  // 6 sqrt(2) / 0.02^3 regular tetrahedra, 2 KiB each; the triangles' share is below a MiB.
+  // 6 sqrt(2) / 0.02^3 regular tetrahedra at 2 KiB each; the triangles' share is below 1 MiB.
   EXPECT_NEAR(fine - coarse, 2.0 * 6.0 * std::sqrt(2.0) / 8e-6, 1024);
   EXPECT_NEAR(limit(0.007), 4.0 * 1024 * 1024, 1.0) << "never more than the options allow";
 }
@@ -353,7 +353,7 @@ TEST_F(Tetrahedralize, BelievesNothingThatComesBack) {
   EXPECT_REFUSED(refusal(unit_cube), "of the surface is in no tetrahedron");
   answer(vertices + "1\\n1 2 3 4 0\\nEnd\\n");
   EXPECT_REFUSED(refusal(unit_cube), "is flat");
-  // A cube of five tetrahedra is a right answer, but not with the surface's diagonals.
+  // Five tetrahedra fill a cube correctly, but not with the surface's diagonals.
   answer(vertices + "5\\n1 2 3 5 0\\n4 3 2 8 0\\n6 2 5 8 0\\n7 3 8 5 0\\n2 3 5 8 0\\nEnd\\n");
   EXPECT_REFUSED(refusal(unit_cube), "its outside is not the surface");
   SurfaceMesh moved = unit_cube;

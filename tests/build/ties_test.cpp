@@ -1,4 +1,4 @@
-// From a layer that slides to a Model's ties: found by trying all triangles, and which pairs of vertices
+// A Model's ties from a sliding layer, compared with a search of all triangles, and which pairs of vertices
 // share regions.
 #include "host/build/ties.h"
 
@@ -34,7 +34,7 @@ scene::Layer skin_layer(bool sliding = true) {
   return skin;
 }
 
-// A bar with skin on top, whose end is pinned, skin and all.
+// A bar with skin on top; one end is pinned, including its skin.
 scene::Scene skin_scene(bool sliding = true) {
   scene::Scene scene = bar_scene();
   scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
@@ -65,8 +65,8 @@ TEST(Ties, SkinSharesNoRegionWithFreeFlesh) {
   EXPECT_EQ(m.ring.size() + dropped, whole.ring.size());
 }
 
-// The same with all triangles tried one by one: the nearest, and of those at an edge the one it stands
-// highest over.
+// Repeats the search over all triangles: the nearest one, and on a shared edge the one with the largest
+// height.
 TEST(Ties, EachSkinVertexIsTiedToTheNearestPlaceBelow) {
   const Model m = build_quietly(skin_scene());
   const auto at = [&](std::uint32_t i) {
@@ -101,9 +101,9 @@ TEST(Ties, EachSkinVertexIsTiedToTheNearestPlaceBelow) {
   EXPECT_EQ(tied.size(), free_skin);
 }
 
-// With positions scaled by the roots of the masses the ties' step is x <- x - S x, S = sum of k c c^T. No
-// eigenvalue of S is above the share, wherever the feet are, so that all ties at once are as stable as one.
-// And the largest is near it: the share is not given away.
+// With positions scaled by the square roots of the masses, the ties' step is x <- x - S x, S = sum of k c
+// c^T. No eigenvalue of S exceeds tie_share, wherever the feet are, so all ties together are as stable as
+// one. The largest is close to it, so none of the share is wasted.
 TEST(Ties, AllAtOnceMoveNothingTooFar) {
   const Model m = build_quietly(skin_scene());
   const auto n = static_cast<Eigen::Index>(m.vertex_count);
@@ -140,8 +140,7 @@ TEST(Ties, AllAtOnceMoveNothingTooFar) {
   }
 }
 
-// A scene without sliding is what it was: no ties, and neither its hash nor its file knows of them
-// (model_file_test.cpp).
+// Without sliding there are no ties, and neither the hash nor the file includes them (model_file_test.cpp).
 TEST(Ties, NoneWithoutSliding) {
   const Model m = build_quietly(skin_scene(false));
   EXPECT_FALSE(m.has_ties());
@@ -174,15 +173,15 @@ TEST(Ties, WarnsOfSkinThatNothingHolds) {
       << warnings(scene);
 }
 
-// Sheets: in the plane a square grid of spacing d has S = m (d^2 a, d^2 b) by its neighbours; nothing across
-// it counts.
+// Skin is a sheet: in its plane, a square grid of spacing d has S = m (d^2 a, d^2 b) from its neighbours; the
+// direction across it must not count.
 TEST(Ties, ASheetIsAsStiffAsTheOraclesAndFinite) {
   scene::Scene scene = skin_scene();
   scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = 3e3;
   scene.layers[1].youngs_modulus = 3.5e4;
   for (const double bend : {0.0, 0.3}) {
-    // A curved one too: the bar bent to a piece of an arch.
+    // The second sheet is curved: the bar is bent into an arch.
     mesh::TetMesh mesh;
     const Model flat = build_quietly(skin_scene());
     for (std::uint32_t i = 0; i < flat.vertex_count; ++i) {

@@ -1,5 +1,4 @@
-// The volume term as built: which regions have it, how strong it is, and what the solvers get of the rest
-// shape.
+// The volume term: which regions have it, how strong it is, and the rest-shape data for the solvers.
 #include "host/build/volume.h"
 
 #include <cmath>
@@ -29,7 +28,7 @@ scene::Scene stiff_and_soft(double lower, double upper) {
   return scene;
 }
 
-// The moment (8) at rest about the weighted centre, from all members, the vertex itself too.
+// The moment (8) at rest about the weighted centre, from all members including the vertex itself.
 Matrix3d moment_at_rest(const Model& m, std::uint32_t r) {
   const auto rest = [&](std::uint32_t i) {
     return Vector3d(double{m.rest[3 * i]}, double{m.rest[3 * i + 1]}, double{m.rest[3 * i + 2]});
@@ -61,7 +60,7 @@ TEST(Volume, WithoutItTheModelIsAsItWas) {
   EXPECT_EQ(some.region_rest, none.region_rest);
 }
 
-// 2 (2.5 / alpha - 1), at most 32, for the stiffest vertex that the region holds.
+// 2 (2.5 / alpha - 1), at most 32, for the stiffest vertex in the region.
 TEST(Volume, GainIsWhatStiffnessLeavesRoomFor) {
   EXPECT_EQ(build::volume_gain(0.0, 1.0), 0.0);
   EXPECT_EQ(build::volume_gain(1.0, 0.0), 0.0);
@@ -87,8 +86,8 @@ TEST(Volume, GainIsWhatStiffnessLeavesRoomFor) {
   EXPECT_GT(inside, 0);
 }
 
-// The build's numbers are rounded to floats; the moment is summed in another order, about a centre of its
-// own, from weights that are floats: 1e-5 is a hundred roundings.
+// The build's numbers are rounded to floats. Here the moment is summed in another order, about a separately
+// computed centre, from float weights: 1e-5 is a hundred roundings.
 TEST(Volume, RegionsHoldTheRestShape) {
   const Model m = build_quietly(stiff_and_soft(1.0, 1.0));
   EXPECT_NO_THROW(model::check_model(m));
@@ -103,7 +102,8 @@ TEST(Volume, RegionsHoldTheRestShape) {
   }
 }
 
-// A plate of one cell, 400 times as long as thick: its regions' moments are flat, and their volume rounding.
+// A plate one cell thick, 400 times as long as thick. The moments of its regions are flat, and their volume
+// is only rounding.
 TEST(Volume, FlatRegionsHaveNone) {
   scene::Scene scene = bar_scene();
   scene.layers[0].volume = 1.0;

@@ -1,5 +1,4 @@
-// Weights (12)(13)(14), shares and pulls, against a direct evaluation of the formulas as the paper prints
-// them.
+// Weights (12)(13)(14), shares and pulls, compared with a direct evaluation of the paper's formulas.
 #include "host/build/weights.h"
 
 #include <cmath>
@@ -32,7 +31,7 @@ std::vector<std::uint32_t> members(const Model& m, std::uint32_t r) {
   return all;
 }
 
-// (12) by (13) and (14) word for word. Exact at both ends of beta, whatever the form.
+// (12) with (13) and (14), literally. Exact at both ends of beta, in either form.
 double printed_weight(const Model& m, std::uint32_t r, std::uint32_t i, bool line) {
   Vector3d centre = Vector3d::Zero();
   double mass = 0.0, longest = 0.0;
@@ -57,7 +56,7 @@ struct Built {
   build::RegionWeights weights;
 };
 
-// Builds the scene, and the weights once more from the model's own arrays.
+// Builds the scene, and the weights again from the model's own arrays.
 Built build_weights(const scene::Scene& scene) {
   Built built{build_quietly(scene), {}};
   const Model& m = built.model;
@@ -78,8 +77,8 @@ scene::Scene weight_scene(double beta, const Vector3d& fibre, WeightForm form, d
 void expect_printed(const Built& built, bool line) {
   const Model& m = built.model;
   for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
-    // Both sides round a dozen double operations on the same floats; the centre's cancellation costs up to
-    // 1e4 of that where r_i is shortest.
+    // Both sides round a dozen double operations on the same floats. Cancellation in the centre amplifies
+    // this by up to 1e4 where r_i is shortest.
     EXPECT_NEAR(built.weights.own[r], printed_weight(m, r, r, line), m.mass[r] * 1e-10);
     for (std::uint32_t k = m.ring_offset[r]; k < m.ring_offset[r + 1]; ++k)
       EXPECT_NEAR(built.weights.taken[k], printed_weight(m, r, m.ring[k], line), m.mass[m.ring[k]] * 1e-10);
@@ -132,12 +131,13 @@ TEST(Weights, AFibreIsALineInTheSymmetricFormOnly) {
     largest = std::max(largest, one[k]);
     change = std::max(change, std::abs(one[k] - other[k]));
   }
-  // At beta 0.5 (1 + c)^2 becomes (1 - c)^2: for c near 1 nearly everything.
+  // At beta 0.5, (1 + c)^2 becomes (1 - c)^2, which loses almost everything if c is near 1.
   EXPECT_GT(change, 0.5 * largest);
 }
 
 TEST(Weights, ACentreWithoutDirectionKeepsItsMass) {
-  // The middle vertex of an even bar is the mass centre of its region, up to the rounding of rest positions.
+  // The middle vertex of a regular bar is the mass centre of its region, up to the rounding of rest
+  // positions.
   scene::Scene scene = weight_scene(1.0, {1, 2, 3}, WeightForm::symmetric, 0.0);
   std::get<scene::Bar>(scene.geometry).vertices = {7, 7, 7};
   const Built built = build_weights(scene);
@@ -151,7 +151,7 @@ TEST(Weights, ACentreWithoutDirectionKeepsItsMass) {
 }
 
 TEST(Weights, RegionsAndVerticesWithoutWeightFallBackToTheMass) {
-  // One-rings given by hand: four vertices in the plane z = 0, all neighbours, fibre along z, beta 1.
+  // Hand-made one-rings: four vertices in the plane z = 0, all neighbours, fibres along z, beta 1.
   const build::OneRings rings{{0, 3, 6, 9, 12}, {1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2}};
   const std::vector<float> rest{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
   const std::vector<double> mass{1, 2, 3, 4};
@@ -165,8 +165,8 @@ TEST(Weights, RegionsAndVerticesWithoutWeightFallBackToTheMass) {
   for (std::size_t k = 0; k < rings.neighbour.size(); ++k)
     EXPECT_EQ(weights.taken[k], mass[rings.neighbour[k]]);
 
-  // With the fibre along x the regions have weight, but vertices 0 and 2 stand right above and below every
-  // region's centre: they have none in any region, and fall back alone.
+  // With fibres along x the regions have weight. Vertices 0 and 2 are at right angles to the fibre as seen
+  // from every region's centre, so they have no weight in any region and fall back alone.
   const std::vector<float> cross{0, 1, 0, -1, 0, 0, 0, -1, 0, 1, 0, 0};
   const std::vector<double> even{1, 1, 1, 1};
   const std::vector<float> along{1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0};
@@ -187,12 +187,12 @@ TEST(Shares, AreTheWeightsWithinHalfAStep) {
     for (std::size_t k = 0; k < m.ring.size(); ++k) {
       const double share = double{m.share_taken[k]};
       EXPECT_EQ(share * 65536.0, std::round(share * 65536.0));
-      // No vertex here gave its rounding excess back (checked by `given`), so half a step is the bound.
+      // No vertex gave back rounding excess here (`given` checks it), so half a step is the bound.
       EXPECT_LE(std::abs(share - built.weights.taken[k] / sum[m.ring[k]]), 0x1p-17);
       given[m.ring[k]] += share;
     }
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-      // What remains for the own region: its exact share, off by half a step for each neighbour.
+      // The remainder for the own region: its exact share, off by half a step per neighbour.
       const double own = built.weights.own[i] / sum[i];
       EXPECT_NEAR(1.0 - given[i], own, 0x1p-17 * (m.ring_offset[i + 1] - m.ring_offset[i]));
       EXPECT_LE(given[i], 1.0);
@@ -208,7 +208,8 @@ TEST(Shares, GiveBackWhatRoundingTookTooMuch) {
   build::RegionWeights weights;
   weights.own = {0, 1, 1, 1};
   weights.taken.assign(12, 1.0);
-  // Vertex 0 gives 21844.5, 21844.5 and 21847 of 65536 steps away; halves round up: one step too many.
+  // The exact shares of vertex 0 are 21844.5, 21844.5 and 21847 steps of 65536. Rounding halves up gives away
+  // one step too many.
   weights.taken[3] = 43689.0 / 131072.0;
   weights.taken[6] = 43689.0 / 131072.0;
   weights.taken[9] = 43694.0 / 131072.0;
@@ -232,7 +233,7 @@ TEST(Shares, PullsAreAlphaTimesMassOrTheSumOfWeights) {
       double{scaled.pull[free_vertex(scaled)]} / (double{0.3f} * scaled.mass[free_vertex(scaled)]);
   for (std::uint32_t i = 0; i < scaled.vertex_count; ++i) {
     const double stiffness = scaled.is_kinematic(i) ? 1.0 : double{0.3f};
-    // Each pull is rounded to float once, and so is the one the factor is taken from.
+    // Each pull is rounded to float once, and so is the pull from which the factor is derived.
     EXPECT_NEAR(double{scaled.pull[i]}, factor * stiffness * scaled.mass[i], scaled.pull[i] * 0x1p-22);
   }
 
@@ -247,7 +248,7 @@ TEST(Shares, PullsAreAlphaTimesMassOrTheSumOfWeights) {
                 sum[i] / sum[0] * 0x1p-22);
 }
 
-// |A_r|_F at rest from the model's own arrays, as a solver sees them; 0 for skipped regions.
+// |A_r|_F at rest from the model's own arrays, as a solver computes it; 0 for skipped regions.
 double mean_moment(const Model& m) {
   double sum = 0.0;
   std::size_t regions = 0;
@@ -266,7 +267,7 @@ double mean_moment(const Model& m) {
     for (const auto& [w, p] : parts) moment += w * (p - centre) * (p - centre).transpose();
     sum += moment.norm();
     ++regions;
-    // region_rest is this centre and weight, rounded to float once.
+    // region_rest is this centre and inverse weight, rounded to float once.
     const Vector3d offset = centre - rest_of(m, r);
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(double{m.region_rest[4 * r + a]}, offset[static_cast<Eigen::Index>(a)],
@@ -280,7 +281,7 @@ TEST(Shares, MomentsAtRestAreAboutOne) {
   for (const double density : {1e-6, 1000.0, 1e9}) {
     scene::Scene scene = weight_scene(0.6, {1, 2, 3}, WeightForm::symmetric);
     scene.layers[0].density = density;
-    // A power of two reaches 1 within sqrt(2); floats move that by 1e-7.
+    // Scaling by a power of two reaches 1 only within sqrt(2); floats change that by 1e-7.
     const double mean = mean_moment(build_quietly(scene));
     EXPECT_GE(mean, 0.7071);
     EXPECT_LE(mean, 1.4143);
@@ -299,9 +300,9 @@ TEST(Shares, ALayerWithoutStiffnessGivesAndTakesNothing) {
   EXPECT_NO_THROW(model::check_model(model));
 }
 
-// Whatever the rotations: sum_r sum_i w_ir (g_i^r - q_i) = 0 region by region, because each goal is about the
-// region's own centre. With the pulls as sum_r w_ir this is sum_i pull_i (g_i - q_i) = 0: the body cannot
-// push itself.
+// For any rotations, sum_r sum_i w_ir (g_i^r - q_i) = 0 region by region, because each goal is relative to
+// the region's own centre. With pulls sum_r w_ir this is sum_i pull_i (g_i - q_i) = 0: the body cannot push
+// itself.
 TEST(Shares, GoalsConserveMomentumForAnyRotations) {
   scene::Scene scene = weight_scene(0.75, {1, 2, 3}, WeightForm::symmetric);
   scene.pins.clear();
@@ -334,7 +335,7 @@ TEST(Shares, GoalsConserveMomentumForAnyRotations) {
     drift += double{m.pull[i]} * (goal[i] - q[i]);
     scale += double{m.pull[i]} * (goal[i] - q[i]).norm();
   }
-  // region_rest is rounded to floats: 6e-8 of each centre, which lie within a spacing or two of the goals.
+  // region_rest is rounded to floats: 6e-8 of each centre, which is within a spacing or two of the goals.
   EXPECT_LT(drift.norm(), 2e-7 * scale);
 }
 
@@ -356,12 +357,12 @@ TEST(Shares, DoNotDependOnScaleOrPlace) {
   };
   scene::Scene doubled = scene;
   doubled.scale = 2.0;
-  compare(doubled, 0.0);  // a power of two changes the unit and nothing else
+  compare(doubled, 0.0);  // a power of two changes only the unit
   scene::Scene scaled = scene;
   scaled.scale = 0.37;
   scene::Scene moved = scene;
   for (auto& p : std::get<mesh::TetMesh>(moved.geometry).vertices) p += Vector3d(3.3, -1.7, 0.9);
-  // Rest floats round differently: directions by 1e-6, shares by as much, and then by one step.
+  // Rest floats round differently: directions and shares change by 1e-6, and then shares by one step.
   compare(scaled, 0x1p-16);
   compare(moved, 0x1p-16);
 }
