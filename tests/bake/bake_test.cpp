@@ -1,4 +1,4 @@
-// The frame loop: pipelining, what is refused, and what is left behind when a bake ends early.
+// The frame loop: pipelining, what is refused, and what remains when a bake ends early.
 #include "host/bake/bake.h"
 
 #include <atomic>
@@ -50,7 +50,7 @@ TEST(Bake, WritesEveryFileAndDescribesIt) {
   EXPECT_EQ(shown, (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(result.frames_done, 7u);
   EXPECT_FALSE(result.interrupted);
-  // Manifest, checkpoint, model, rest mesh, script, frame cache, metrics, and one for each format.
+  // Manifest, checkpoint, model, rest mesh, script, frame cache, metrics, and one per format.
   EXPECT_EQ(result.files.size(), 7 + bake::format_names().size());
   for (const fs::path& file : result.files) EXPECT_TRUE(fs::exists(file)) << file;
 
@@ -87,7 +87,7 @@ TEST(Bake, HashesArePositionHashes) {
   const nlohmann::json hashes = manifest_in(folder / "out")["position_hashes"];
   for (std::uint64_t k = 0; k < 4; ++k)
     EXPECT_EQ(std::stoull(hashes[k].get<std::string>(), nullptr, 16), model::position_hash(cache.read(k)));
-  // The frames differ, or equal hashes would say nothing.
+  // If the frames did not differ, equal hashes would prove nothing.
   EXPECT_NE(hashes[0], hashes[1]);
   EXPECT_NE(hashes[2], hashes[3]);
 }
@@ -107,7 +107,7 @@ TEST(Bake, ZeroFramesIsTheStartAlone) {
   EXPECT_EQ(manifest_in(folder / "out")["status"], "complete");
 }
 
-// Where checkpoints fall must not change a byte.
+// The timing of checkpoints must not change a byte.
 TEST(Bake, CheckpointsChangeNothing) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "rare"), short_scene(9));
@@ -147,7 +147,7 @@ TEST(BakeFolder, IsRefusedWhileItHoldsABake) {
   EXPECT_TRUE(contains(message, "--resume"));
   EXPECT_TRUE(contains(message, "--overwrite"));
   EXPECT_EQ(content_of(folder / "out"), before);
-  // Also where only the cache tells.
+  // Even if only the cache is left.
   fs::remove(folder / "out/manifest.json");
   EXPECT_THROW(fake_bake_into(options, short_scene(3)), bake::FolderInUse);
 }
@@ -158,7 +158,7 @@ TEST(BakeFolder, OverwriteRemovesOnlyWhatABakeMade) {
   fake_bake_into(options, short_scene(9));
   for (const char* name : {"out/notes.txt", "out/vtu/mine.vtu", "out/vtu/frame_1.vtu", "out/metrics.csv.bak"})
     write_text(folder / name, "precious");
-  // A manifest that lists what no bake makes, here and outside.
+  // A manifest that lists files no bake makes, inside and outside the folder.
   write_text(folder / "outside", "precious");
   nlohmann::json manifest = manifest_in(folder / "out");
   manifest["files"].push_back("notes.txt");
@@ -235,7 +235,7 @@ TEST(BakeFolder, IsHeldByOneBakeAtATime) {
   EXPECT_TRUE(contains(message, "another fascicle is writing there"));
 }
 
-// The limit on a file's size stands for the full disk: both make write() fall short.
+// A limit on file size simulates a full disk: with both, write() comes up short.
 TEST(BakeFolder, AFullDiskLeavesWholeFramesAndCanBeResumed) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "whole"), short_scene(120));
@@ -244,7 +244,7 @@ TEST(BakeFolder, AFullDiskLeavesWholeFramesAndCanBeResumed) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
-    // Room for a vtu file, the manifest and some 18 frames, not for all 120.
+    // Room for a vtu file, the manifest and about 18 frames, but not for all 120.
     const rlimit limit{8000, 8000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     BakeOptions options = options_for(folder / "out");
@@ -267,7 +267,7 @@ TEST(BakeFolder, AFullDiskLeavesWholeFramesAndCanBeResumed) {
   EXPECT_EQ(content_of(folder / "out"), whole);
 }
 
-// Where there is no room for a second manifest beside the first either.
+// Even if the disk has no room for a second manifest next to the first.
 TEST(BakeFailed, SaysSoOnADiskThatIsFull) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "whole"), short_scene(120));
@@ -280,7 +280,7 @@ TEST(BakeFailed, SaysSoOnADiskThatIsFull) {
     options.checkpoint_seconds = 1e9;
     options.on_frame = [&](std::uint64_t frame, std::uint64_t) {
       if (frame != 100) return;
-      // The manifest of 61 frames fits, one byte more does not, and the cache of 100 has long passed it.
+      // The manifest of 61 frames just fits, and the cache of 100 frames is already larger.
       const rlim_t size = fs::file_size(folder / "out/manifest.json");
       const rlimit limit{size, size};
       ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -356,7 +356,7 @@ TEST(BakeFailed, SaysWhatASinkCouldNotWrite) {
   expect_failed_and_resumed(folder, message, [&] { fs::remove_all(in_the_way); });
 }
 
-// A resumed bake that cannot even begin leaves all that was there.
+// A resumed bake that fails before its first frame leaves all files in place.
 TEST(BakeFailed, AResumedBakeSaysSoToo) {
   const TemporaryFolder folder;
   bake_until(with_checkpoint_at_4(folder / "out"), short_scene(9), 4);
@@ -369,7 +369,7 @@ TEST(BakeFailed, AResumedBakeSaysSoToo) {
                             [&] { fs::rename(folder / "away", folder / "out/surface.pc2.part"); });
 }
 
-// Nothing is said in the manifest of another's bake.
+// The manifest of a different bake is not touched.
 TEST(BakeFailed, LeavesOthersManifestsAlone) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "out"), short_scene(2));
@@ -404,7 +404,7 @@ TEST(BakeOptions, OutputBytesIsCloseToWhatIsWritten) {
   for (const auto& item : fs::recursive_directory_iterator(folder / "out"))
     if (item.is_regular_file()) written += item.file_size();
   const std::uint64_t estimate = bake::output_bytes(scene, two_tetrahedra(), bake::format_names());
-  // The texts' lengths are guessed, and of this tiny body they are most; of a real one they are little.
+  // Lengths of text are guessed. They are most of this tiny body but little of a real one.
   EXPECT_GT(static_cast<double>(estimate), 0.8 * static_cast<double>(written));
   EXPECT_LT(static_cast<double>(estimate), 1.25 * static_cast<double>(written));
 }

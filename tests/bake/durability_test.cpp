@@ -1,5 +1,5 @@
-// A power cut at any moment: no published file is torn, and the bake goes on to the same bytes. Seen from
-// outside, by the system calls of a bake.
+// A power cut at any moment: no published file is torn, and the resumed bake gives the same bytes. Checked
+// from outside, through the system calls of a bake.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -35,7 +35,7 @@ bake::BakeOptions traced_options(const fs::path& folder) {
   return options;
 }
 
-// Not a test of its own: what the others trace.
+// Not a test by itself: the process that the others trace.
 TEST(Durability, DISABLED_TracedBake) {
   const char* folder = std::getenv(folder_variable);
   ASSERT_NE(folder, nullptr);
@@ -49,7 +49,7 @@ std::vector<DiskCall> traced_bake(const fs::path& folder) {
                 folder);
 }
 
-// A resumed bake begins these files anew: nothing counts on them before the end.
+// A resumed bake restarts these files, so nothing depends on them before the end.
 bool counts(const std::string& name, bool at_end) {
   const bool begins_anew =
       name.starts_with("surface.glb") || name.starts_with("surface.usda") || name.starts_with("surface.abc");
@@ -68,7 +68,7 @@ bool is_published(const std::string& name) {
   return true;
 }
 
-// As far as a system may go that was cut off there; what differs from the unbroken bake, in words.
+// What may be left after a power cut: lists torn files, and checks that a resumed bake gives the same bytes.
 class Cut {
  public:
   explicit Cut(const fs::path& whole) : content_(content_of(whole)) {}
@@ -103,7 +103,7 @@ TEST(Durability, NothingIsPublishedOrCountedOnBeforeItIsSafe) {
   const TemporaryFolder folder;
   const std::vector<DiskCall> calls = traced_bake(folder / "out");
   EXPECT_EQ(joined_lines(wrong_orders(calls, folder / "out", counts)), "");
-  // The model has seen all that is there.
+  // The traced calls account for every file.
   Disk disk(folder / "out");
   for (const DiskCall& call : calls) disk.apply(call);
   std::size_t compared = 0;
@@ -115,7 +115,7 @@ TEST(Durability, NothingIsPublishedOrCountedOnBeforeItIsSafe) {
   EXPECT_GT(compared, 40u);
 }
 
-// Controls: each of these would be seen.
+// The controls: each of these errors is detected.
 TEST(Durability, AWrongOrderIsSeen) {
   NEEDS_STRACE();
   const TemporaryFolder folder;
@@ -132,7 +132,7 @@ TEST(Durability, AWrongOrderIsSeen) {
                            "/surface.glb.part", "/obj/frame_000004.obj.tmp", "/obj", "/vtu",
                            "/checkpoint.tmp", "/manifest.json.tmp", "/model.fascicle.tmp"})
     EXPECT_FALSE(wrong_orders(without_syncs_of(name), folder / "out", counts).empty()) << name;
-  // A name before the bytes.
+  // A rename before the bytes are synced.
   std::vector<DiskCall> swapped = calls;
   const auto sync = std::find_if(swapped.begin(), swapped.end(), [&](const DiskCall& call) {
     return call.kind == DiskCall::Kind::sync && call.path.ends_with("frame_000004.obj.tmp");
@@ -146,7 +146,7 @@ TEST(Durability, AWrongOrderIsSeen) {
   std::rotate(sync, sync + 1, rename + 1);
   EXPECT_TRUE(
       contains(joined_lines(wrong_orders(swapped, folder / "out", counts)), "frame_000004.obj has its"));
-  // A checkpoint before the frames it counts on.
+  // A checkpoint before the frames it depends on.
   std::vector<DiskCall> early = calls;
   const auto last_sync = std::find_if(early.rbegin(), early.rend(), [&](const DiskCall& call) {
     return call.kind == DiskCall::Kind::rename && call.path.ends_with("checkpoint.tmp");
@@ -178,7 +178,7 @@ TEST(Durability, APowerCutAtAnyMomentLosesNoPublishedFile) {
     for (const Disk::Names names : {Disk::Names::safe, Disk::Names::latest}) {
       const Disk::Files files = disk.after_power_cut(names);
       EXPECT_EQ(joined_lines(cut.torn(files)), "") << "after call " << k;
-      // Syncing makes a resumed bake slow: each fourth is as good.
+      // Syncing makes resumed bakes slow; every fourth is enough.
       if (!seen.insert(files).second || seen.size() % 4 != 1) continue;
       EXPECT_TRUE(cut.goes_on_to_the_same_bytes(files)) << "after call " << k;
       ++resumed;
@@ -189,7 +189,7 @@ TEST(Durability, APowerCutAtAnyMomentLosesNoPublishedFile) {
   EXPECT_GT(with_checkpoint, 20u);
 }
 
-// The control: files that have their names before their bytes are safe are found torn.
+// The control: a file renamed before its bytes are synced is found torn.
 TEST(Durability, ATornFileIsSeen) {
   NEEDS_STRACE();
   const TemporaryFolder folder;
@@ -207,7 +207,8 @@ TEST(Durability, ATornFileIsSeen) {
   EXPECT_GT(torn, 0u);
 }
 
-// With frames of `frame` seconds and a disk that takes `sync`: the longest time whose work a power cut takes.
+// The most work lost to a power cut, in seconds, if a frame takes `frame` seconds and the disk `sync`
+// seconds.
 double most_lost(double frame, double sync, std::uint64_t frames, std::uint64_t* checkpoints = nullptr) {
   bake::CheckpointPace pace(frames, ~std::uint64_t{0}, 0.5, 0.0);
   double taken = 0.0, most = 0.0;
@@ -230,12 +231,12 @@ TEST(CheckpointPace, LosesHalfASecondAtMostOrOneFrame) {
   for (const double frame : {0.3, 0.6, 5.0, 100.0}) {
     std::uint64_t checkpoints = 0;
     EXPECT_NEAR(most_lost(frame, 0.02, 100, &checkpoints), frame + 0.02, 1e-9);
-    EXPECT_GE(checkpoints, 99u) << "each long frame has its own";
+    EXPECT_GE(checkpoints, 99u) << "each long frame has its own checkpoint";
   }
 }
 
-// Fast frames are grouped, and a disk that is slower than the simulation does not stop it for more than half
-// of the time.
+// Fast frames share a checkpoint, and a disk slower than the simulation holds it up for at most half of the
+// time.
 TEST(CheckpointPace, GroupsFastFrames) {
   std::uint64_t checkpoints = 0;
   most_lost(0.001, 0.01, 10000, &checkpoints);

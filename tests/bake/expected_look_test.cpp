@@ -1,4 +1,4 @@
-// How far flesh is expected to swing, against how far it then does.
+// How far flesh is expected to swing, compared with how far it does.
 #include "host/bake/expected_look.h"
 
 #include <cmath>
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double acceleration = 9.6;  // m/s^2
 
-// Thrown along y, ever faster. The axis of the bar is kinematic, and its flesh 0.1 m deep.
+// Thrown along y with constant acceleration. The bar's axis is kinematic; its flesh is 0.1 m deep.
 BendingBar thrown_bar(double damping) {
   BendingBar bar = bending_bar(1.0);
   std::vector<RootKey> keys;
@@ -64,8 +64,8 @@ double measured(const BendingBar& bar) {
   return largest;
 }
 
-// A column that shears is one of several ways in which flesh yields: within a factor of two of what is baked,
-// over two decades of stiffness.
+// The estimate shears a column, one of several ways in which flesh yields. It is within a factor of two of
+// the bake over two decades of stiffness.
 TEST(ExpectedLook, IsWhatABakeComesTo) {
   for (const double youngs_modulus : {3e3, 3e4, 3e5}) {
     const BendingBar bar = elastic_bar(youngs_modulus);
@@ -82,19 +82,19 @@ TEST(ExpectedLook, IsWhatAnExplicitBakeComesTo) {
   EXPECT_LT(score, 2.0 * baked);
 }
 
-// Under a steady push flesh comes to rest at a c, and c goes with 1/E. The damping lets 1 % of the swing
-// stand.
+// Under a steady push flesh comes to rest at a c, and c is proportional to 1/E. With this damping, 1 % of the
+// oscillation remains.
 TEST(ExpectedLook, GoesWithTheStiffnessWhereThePushIsSteady) {
   const double soft = expected(elastic_bar(2e4, 60.0)).score;
   const double stiff = expected(elastic_bar(4e4, 60.0)).score;
   EXPECT_NEAR(soft, 2.0 * stiff, 0.03 * soft);
-  // Of flesh that feels half of it, half.
+  // Flesh that feels half of the acceleration scores half.
   BendingBar half = elastic_bar(2e4, 60.0);
   half.model.carried.assign(half.model.vertex_count, 0.5f);
   EXPECT_NEAR(expected(half).score, 0.5 * soft, 1e-6 * soft);
 }
 
-// The advice holds: flesh that much stiffer scores 1 at most, and a quarter less stiff does not.
+// The advice is right: flesh that much stiffer scores at most 1; flesh a fifth softer than that does not.
 TEST(ExpectedLook, SaysHowMuchStifferWouldDo) {
   const double youngs_modulus = 500.0;
   const bake::ExpectedLook look = expected(elastic_bar(youngs_modulus));
@@ -109,18 +109,19 @@ TEST(ExpectedLook, SaysHowMuchStifferWouldDo) {
   EXPECT_EQ(expected(elastic_bar(1e5)).stiffer, 1.0);
 }
 
-// Gravity pulls at flesh that feels nothing of the skeleton too: the bar falls over while it is thrown.
+// Gravity also acts on flesh that does not feel the skeleton's acceleration: the bar falls over while it is
+// thrown.
 TEST(ExpectedLook, GivesGravityItsFullWeight) {
   BendingBar bar = elastic_bar(2e4, 60.0);
   bar.model.carried.assign(bar.model.vertex_count, 1.0f);
   EXPECT_EQ(expected(bar).score, 0.0);
-  // As a shape at rest without gravity feels it.
+  // A shape that is at rest without gravity feels all of it.
   bar.scene.motion.rest = scene::Rest::weightless;
   bar.scene.gravity = Vector3d(0, -acceleration, 0);
   EXPECT_NEAR(expected(bar).score, expected(elastic_bar(2e4, 60.0)).score, 0.1 * expected(bar).score);
 }
 
-// A few frames that begin on the skeleton tell what the whole bake does there.
+// A few frames that start from the skinned pose predict the whole bake.
 TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
   for (const double youngs_modulus : {500.0, 3e4}) {
     const BendingBar bar = elastic_bar(youngs_modulus);
@@ -137,7 +138,7 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
     if (tried.worst.score > 1.0) {
       EXPECT_NE(bake::tried_look_warning(bar.scene, tried).find("tried before the bake"), std::string::npos);
     }
-    EXPECT_EQ(solver->save().positions, drives.initial_state().positions) << "left as it was found";
+    EXPECT_EQ(solver->save().positions, drives.initial_state().positions) << "the solver's state is restored";
   }
 }
 
@@ -157,7 +158,7 @@ TEST(ExpectedLook, TriedFramesCanBeStopped) {
   EXPECT_EQ(solver->save().positions, drives.initial_state().positions);
 }
 
-// A look at 0.3 s has no sense where a frame is longer.
+// Trying 0.3 s makes no sense if a frame is longer.
 TEST(ExpectedLook, LongFramesAreNotTried) {
   scene::Scene scene = elastic_bar(500.0).scene;
   EXPECT_TRUE(bake::can_try_look(scene));

@@ -1,4 +1,4 @@
-// `fascicle export`: the same bytes as the bake, from its folder alone.
+// `fascicle export` gives the same bytes as the bake, from its folder alone.
 #include "host/bake/export.h"
 
 #include <atomic>
@@ -56,8 +56,8 @@ TEST(Export, GivesTheBytesOfTheBake) {
     EXPECT_EQ(bytes, read_text(folder / ("all/" + name))) << name;
     ++compared;
   }
-  // One file a format, seven of the OBJ sequence and of the surface for ParaView with its collection, the
-  // mesh at rest, and the script for Blender.
+  // One file per format, except seven OBJ files, seven ParaView surfaces and their collection; plus the rest
+  // mesh and the Blender script.
   EXPECT_EQ(compared, formats.size() - 2 + 7 + 8 + 2);
 }
 
@@ -78,7 +78,7 @@ TEST(Export, CountsFramesAsTheBakeDoes) {
   bake::export_bake(
       {.bake = folder / "out", .folder = folder / "other", .formats = {"obj"}, .first_number = 7});
   EXPECT_TRUE(fs::exists(folder / "other/obj/frame_000007.obj"));
-  // Our own files count from 0 whatever the others do.
+  // Our own files count from 0, whatever the number of the first frame.
   EXPECT_NE(read_text(folder / "out/metrics.csv").find("\n0,"), std::string::npos);
 }
 
@@ -89,7 +89,7 @@ TEST(Export, IntoTheBakesFolderBelongsToTheBake) {
   const std::vector<std::string> files = listed(folder / "out");
   EXPECT_NE(std::find(files.begin(), files.end(), "surface.mdd"), files.end());
   EXPECT_NE(std::find(files.begin(), files.end(), "obj/"), files.end());
-  // So that the next bake there can remove them.
+  // The next bake into this folder must be able to remove them.
   bake::BakeOptions options = options_for(folder / "out");
   options.formats = {};
   options.overwrite = true;
@@ -154,7 +154,8 @@ TEST(Export, LeavesNothingWhenInterrupted) {
   EXPECT_TRUE(fs::is_empty(folder / "exported"));
 }
 
-// Of two bakes, so that the second's files differ; here and in a folder of its own, with its mesh at rest.
+// Exports over an earlier export: into the bake's own folder, or into another one. There the new export is of
+// a different bake, so that its files differ.
 class ExportOver : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -166,7 +167,7 @@ class ExportOver : public testing::TestWithParam<const char*> {
     if (!is_own()) {
       bake_into(folder_ / "later", {}, 4);
       options_.bake = folder_ / "later";
-      // Not the script of another length: the mesh at rest, so that its coming back is seen.
+      // Scripts of the two bakes differ by their length. Rest meshes do not, so mark this one.
       write_text(target() / "rest.obj", "earlier");
     }
     options_.overwrite = true;
@@ -193,7 +194,7 @@ TEST_P(ExportOver, FailedLeavesTheEarlierOne) {
   const fs::path cache = options_.bake / "frames.fascicle";
   const std::string whole = read_text(cache);
   std::string text = whole;
-  // In the frame before the last: that there are enough frames is found out from the last one alone.
+  // Damages the frame before the last, because the check for missing frames reads only the last one.
   const std::size_t record = bake::cache_record_bytes(two_tetrahedra().vertex_count);
   text[text.size() - record - record / 2] ^= 1;
   write_text(cache, text);
@@ -203,14 +204,14 @@ TEST_P(ExportOver, FailedLeavesTheEarlierOne) {
   EXPECT_FALSE(fs::exists(target() / "export.part"));
 }
 
-// A folder of that name that no export made is somebody's own.
+// A folder with that name that no export made belongs to the user.
 TEST_P(ExportOver, LeavesAFolderOfItsStagesNameAlone) {
   fs::create_directories(target() / "export.part");
   write_text(target() / "export.part/surface.abc", "precious");
   EXPECT_NE(refusal([&] { bake::export_bake(options_); }).find("holds what no export made"),
             std::string::npos);
   EXPECT_EQ(read_text(target() / "export.part/surface.abc"), "precious");
-  // Nor is a link of that name followed.
+  // A symbolic link with that name is not followed either.
   fs::rename(target() / "export.part", target() / "own");
   fs::create_symlink(target() / "own", target() / "export.part");
   EXPECT_NE(refusal([&] { bake::export_bake(options_); }).find("move it away"), std::string::npos);
@@ -218,7 +219,7 @@ TEST_P(ExportOver, LeavesAFolderOfItsStagesNameAlone) {
 }
 
 TEST_P(ExportOver, ReplacesTheEarlierOneWhole) {
-  // What a killed one left goes too.
+  // Leftovers of a killed export are removed too.
   fs::create_directories(target() / "export.part/obj");
   write_text(target() / "export.part/obj/frame_000001.obj", "half");
   write_text(target() / "export.part/surface.glb.targets.part", "half");
@@ -227,7 +228,7 @@ TEST_P(ExportOver, ReplacesTheEarlierOneWhole) {
   EXPECT_EQ(read_text(target() / "obj/mine.obj"), "precious");
   fs::remove(target() / "obj/mine.obj");
   EXPECT_FALSE(fs::exists(target() / "export.part"));
-  // As in a folder where nothing was; of the longer series no frame is left.
+  // The same files as in a new folder; no frame of the longer series is left.
   options_.folder = folder_ / "fresh";
   bake::export_bake(options_);
   const auto fresh = content_of(folder_ / "fresh");

@@ -25,7 +25,7 @@ nlohmann::json manifest_in(const std::filesystem::path& folder) {
 
 testing::AssertionResult contains(const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "\"" << part << "\" is not in: " << text;
+  return testing::AssertionFailure() << "\"" << part << "\" is missing in: " << text;
 }
 
 }  // namespace fascicle::tests

@@ -1,4 +1,4 @@
-// Bakes of the fake solver, and what tests ask of them.
+// Bakes with the fake solver, and checks of them.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@ namespace fascicle::tests {
 bake::BakeResult fake_bake_into(const bake::BakeOptions& options, const scene::Scene& scene,
                                 FakeOptions fake = {});
 
-// Bakes until frame `last` is written, then stops as on ctrl-C.
+// Bakes until frame `last` is written, then stops as with ctrl-C.
 bake::BakeResult bake_until(bake::BakeOptions options, const scene::Scene& scene, std::uint64_t last);
 
 nlohmann::json manifest_in(const std::filesystem::path& folder);
 
-// What a call throws as Error, or a line that no test expects.
+// The message of the Error that a call throws, or a line that no test expects.
 template <class Error, class Call>
 std::string message_of(Call call) {
   try {

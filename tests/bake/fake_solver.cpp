@@ -78,7 +78,7 @@ void FakeSolver::submit(const model::Drive& drive, model::Read what, model::Prob
   for (std::size_t i = 0; i < state_.positions.size(); ++i) {
     if (model_.is_kinematic(static_cast<std::uint32_t>(i / 3))) continue;
     float& velocity = state_.velocities[i];
-    float& memory = state_.rotations[i];  // a history that no file of a bake but the checkpoint holds
+    float& memory = state_.rotations[i];  // state that only the checkpoint stores
     const float pull = model_.rest[i] - state_.positions[i];
     memory = 0.5f * memory + pull;
     velocity = velocity * 0.96875f + 20.0f * h * memory + h * drive.gravity[i % 3];
@@ -89,7 +89,7 @@ void FakeSolver::submit(const model::Drive& drive, model::Read what, model::Prob
   if (what.positions) frame.positions = state_.positions;
   if (what.velocities) frame.velocities = state_.velocities;
   if (what.surface) frame.surface = formats::embed(model_, state_.positions);
-  // Of a skeleton it knows nothing: skinning leaves its body at rest.
+  // It has no skeleton: skinning leaves its body at rest.
   if (what.skinned) frame.skinned = model_.rest;
   if (options_.not_finite_at == state_.frame) {
     frame.positions.at(3 * 1 + 2) = std::numeric_limits<float>::quiet_NaN();
@@ -155,7 +155,7 @@ std::vector<std::pair<std::string, std::string>> content_of(const fs::path& fold
     if (item.path().filename() == "manifest.json") {
       nlohmann::json manifest = nlohmann::json::parse(text);
       manifest.erase("timings");
-      manifest.erase("checksum");  // of these times too
+      manifest.erase("checksum");  // it covers the timings
       text = manifest.dump(1);
     }
     files.emplace_back(fs::relative(item.path(), folder).string(), text);

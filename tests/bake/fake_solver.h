@@ -1,5 +1,5 @@
-// What the tests of the frame loop bake: a body of two tetrahedra and a solver whose frames follow from all
-// of its history by a few lines of arithmetic.
+// A bake for tests of the frame loop: a body of two tetrahedra, and a solver whose frames depend on all
+// earlier frames through simple arithmetic.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@
 
 namespace fascicle::tests {
 
-// Two tetrahedra on a common face: five vertices with numbers that differ from the source's, unit 1/2 m,
-// layers `fat` and `bone` (the last vertex, kinematic), a probe `tip` of two vertices, a surface of three
-// render vertices.
+// Two tetrahedra with a common face: five vertices with other numbers than in the source, unit 1/2 m, layers
+// `fat` and `bone` (the last vertex, kinematic), a probe `tip` of two vertices, a surface of three render
+// vertices.
 model::Model two_tetrahedra();
 
-// Settings for `frames` frames at 24 fps from 0.5 s on.
+// Settings for `frames` frames at 24 fps, starting at 0.5 s.
 scene::Scene short_scene(std::uint64_t frames);
 
 struct FakeOptions {
-  std::optional<std::uint64_t> not_finite_at;  // this frame's positions hold a NaN and an infinity
-  unsigned microseconds = 0;                   // a frame takes
+  std::optional<std::uint64_t> not_finite_at;  // this frame's positions contain a NaN and an infinity
+  unsigned microseconds = 0;                   // duration of a frame
   std::function<void(std::uint64_t frame)> on_submit;
 };
 
@@ -49,7 +49,7 @@ class FakeSolver final : public model::Solver {
   std::size_t most_in_flight_ = 0;
 };
 
-// A folder of its own, removed with all it holds.
+// A temporary folder that is removed with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -65,11 +65,11 @@ class TemporaryFolder {
 std::string read_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, const std::string& text);
 
-// Options of a bake of all formats into `folder`.
+// Options for a bake of all formats into `folder`.
 bake::BakeOptions options_for(const std::filesystem::path& folder);
 
-// All files below a folder with their content; of the manifest, without what may differ between two equal
-// bakes (timings). The checkpoint is left out: where it stands depends on when it was taken.
+// All files below a folder with their content; the manifest without its timings, which differ between
+// identical bakes. Omits the checkpoint, whose frame depends on when it was written.
 std::vector<std::pair<std::string, std::string>> content_of(const std::filesystem::path& folder);
 
 }  // namespace fascicle::tests

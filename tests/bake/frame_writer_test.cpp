@@ -1,4 +1,4 @@
-// Frames written beside the simulation: all of them, in order, and a failure reaches who puts the next.
+// Frames written in parallel with the simulation: all of them, in order, and an error reaches the next put().
 #include "host/bake/frame_writer.h"
 
 #include <atomic>
@@ -32,12 +32,13 @@ TEST(FrameWriter, WritesAllInOrderOnAnotherThread) {
     expected.push_back(k);
     if (k % 50 != 49) continue;
     writer.finish();
-    EXPECT_EQ(written, expected) << "finish() came back early";
+    EXPECT_EQ(written, expected) << "finish() returned too early";
   }
   EXPECT_NE(by, std::this_thread::get_id());
 }
 
-// One is written and one waits: a third would grow without bound where writing is slower than simulating.
+// One frame is being written and one is waiting. Without this limit the queue would grow if writing is slower
+// than simulating.
 TEST(FrameWriter, KeepsNoMoreThanTwo) {
   std::atomic<bool> may_write = false;
   std::atomic<std::uint64_t> put = 0;
@@ -48,7 +49,7 @@ TEST(FrameWriter, KeepsNoMoreThanTwo) {
       ++put;
     }
   });
-  // Two are taken at once; that no third is can only be waited for.
+  // Two are accepted at once. That no third is can only be tested by waiting.
   while (put < 2) std::this_thread::yield();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_LE(put, 2u);
@@ -70,7 +71,7 @@ TEST(FrameWriter, HandsOnWhatAWriteThrowsAndWritesNoMore) {
   };
   try {
     put_many();
-    FAIL() << "nobody was told";
+    FAIL() << "put() did not throw";
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "disk full");
   }
@@ -90,7 +91,7 @@ TEST(FrameWriter, DropsWhatWaitsWhenItGoes) {
   while (!has_begun) std::this_thread::yield();
   writer->put(numbered(1));
   std::thread end([&] { writer.reset(); });
-  // Long enough for it to have told the thread to stop, or frame 1 would be written too.
+  // Long enough for the destructor to tell the thread to stop; otherwise frame 1 would be written too.
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   may_write = true;
   may_write.notify_all();

@@ -1,4 +1,4 @@
-// Handles: frames before and after the range, which keeps its times and its numbers.
+// Handles: frames before and after the range, which keeps its times and numbers.
 #include <string>
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(Handles, PosesOfTheRangeAreThoseWithout) {
       for (std::size_t j = 0; j < a.size(); ++j)
         EXPECT_LT((a[j] - b[j]).norm(), 1e-13) << motion << "frame " << k << ", joint " << j;
     }
-    // Six frames of the clip lie before its start, and three before there is a clip.
+    // Of the nine frames before the start, six are in the clip and three before it begins.
     EXPECT_NEAR(after.clip_time(0), 0.25 - 9.0 / 24.0, 1e-15);
     const drive::Pose first = after.pose(0), third = after.pose(3 * substeps),
                       later = after.pose((handles + 6) * substeps);

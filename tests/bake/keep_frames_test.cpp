@@ -1,4 +1,4 @@
-// Bakes that keep no frames or write no format: what is left, what goes on, and what is refused.
+// Bakes without frames or without formats: what is left, what can be resumed, and what is refused.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -25,7 +25,7 @@ BakeOptions without_frames(const fs::path& folder) {
   return options;
 }
 
-// Of a folder's content, all but the frames and the manifest.
+// A folder's content without the frames and the manifest.
 std::vector<std::pair<std::string, std::string>> other_content(const fs::path& folder) {
   auto files = content_of(folder);
   std::erase_if(files, [](const auto& file) {
@@ -45,7 +45,7 @@ TEST(BakeKeepFrames, FalseLeavesTheSameFormatsAndNoFrames) {
   EXPECT_EQ(other_content(folder / "out"), other_content(folder / "kept"));
   nlohmann::json manifest = manifest_in(folder / "out"), whole = manifest_in(folder / "kept");
   EXPECT_EQ(manifest["frames_kept"], false);
-  EXPECT_FALSE(whole.contains("frames_kept")) << "manifests of other bakes are as they were";
+  EXPECT_FALSE(whole.contains("frames_kept")) << "manifests of other bakes do not have the key";
   EXPECT_EQ(std::count(manifest["files"].begin(), manifest["files"].end(), "frames.fascicle"), 0);
   EXPECT_EQ(std::count(whole["files"].begin(), whole["files"].end(), "frames.fascicle"), 1);
   for (nlohmann::json* json : {&manifest, &whole})
@@ -59,7 +59,7 @@ TEST(BakeKeepFrames, FalseResumesToTheSameBytes) {
   for (const std::uint64_t last : {0u, 3u}) {
     const fs::path out = folder / ("cut" + std::to_string(last));
     EXPECT_TRUE(bake_until(without_frames(out), short_scene(6), last).interrupted);
-    EXPECT_TRUE(fs::exists(out / "frames.fascicle")) << "what is not complete goes on from them";
+    EXPECT_TRUE(fs::exists(out / "frames.fascicle")) << "an incomplete bake needs them to resume";
     EXPECT_FALSE(manifest_in(out).contains("frames_kept"));
     BakeOptions options = without_frames(out);
     options.resume = true;
@@ -68,7 +68,7 @@ TEST(BakeKeepFrames, FalseResumesToTheSameBytes) {
   }
 }
 
-// What is wanted of the frames may change until the end; then it is too late to keep them.
+// The option may change until the bake is complete; then it is too late to keep frames.
 TEST(BakeKeepFrames, MayChangeWhileItIsNotComplete) {
   const TemporaryFolder folder;
   bake_until(without_frames(folder / "out"), short_scene(6), 3);
@@ -92,7 +92,7 @@ TEST(BakeKeepFrames, ACompleteBakeHasNothingLeftToDo) {
   const TemporaryFolder folder;
   const BakeResult first = fake_bake_into(without_frames(folder / "out"), short_scene(6));
   const auto before = content_of(folder / "out");
-  // A stop between the manifest and the end leaves them.
+  // A stop between writing the manifest and the end leaves the frames.
   write_text(folder / "out/frames.fascicle", "left over");
   BakeOptions options = without_frames(folder / "out");
   options.resume = true;
@@ -131,7 +131,7 @@ TEST(BakeNoFormat, IsFramesAndMetricsAlone) {
   EXPECT_EQ(content_of(folder / "none"), content_of(folder / "empty"));
   EXPECT_TRUE(manifest_in(folder / "none")["formats"].empty());
   EXPECT_TRUE(fs::exists(folder / "none/frames.fascicle"));
-  // One may go on where the other was stopped.
+  // Either can resume the other.
   none.resume = true;
   none.folder = folder / "empty";
   EXPECT_EQ(fake_bake_into(none, short_scene(3)).frames_done, 3u);

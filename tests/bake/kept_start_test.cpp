@@ -1,4 +1,4 @@
-// What a bake steps before frame 0, kept for the next one.
+// The result of the steps before frame 0, kept for the next bake.
 #include <map>
 #include <optional>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 using bake::bake;
 using bake::BakeOptions;
 
-// Counts the frames that another solver steps.
+// Counts the frames stepped by another solver.
 class CountingSolver final : public model::Solver {
  public:
   CountingSolver(model::Solver& solver, std::uint64_t& frames) : solver_(solver), frames_(frames) {}
@@ -32,8 +32,8 @@ class CountingSolver final : public model::Solver {
   std::uint64_t& frames_;
 };
 
-// What was stepped before frame 0 of the same bake is found again, whatever formats are written; of another
-// bake it is not.
+// The steps before frame 0 are reused by the same bake, whatever formats it writes, but not by a different
+// bake.
 TEST(KeptStart, IsNotSteppedAgainAndGivesTheSameBytes) {
   const TemporaryFolder folder;
   BendingBar bar = bending_bar(0.2);
@@ -55,7 +55,7 @@ TEST(KeptStart, IsNotSteppedAgainAndGivesTheSameBytes) {
     bake(bar.scene, bar.model, counting, options);
     return frames;
   };
-  EXPECT_GT(baked("first", {}), 12u + 6u);  // the clip's frames, the preroll's, and those of settling
+  EXPECT_GT(baked("first", {}), 12u + 6u);  // the frames of the clip, of the preroll and of settling
   EXPECT_EQ(baked("second", {"pc2"}), 12u);
   EXPECT_EQ(read_text(folder / "second" / "frames.fascicle"),
             read_text(folder / "first" / "frames.fascicle"));
@@ -65,7 +65,7 @@ TEST(KeptStart, IsNotSteppedAgainAndGivesTheSameBytes) {
   found["was_kept"] = false;
   EXPECT_EQ(found, stepped);
 
-  // Damaged bytes, and a start under another's name, are none.
+  // Damaged bytes and a start with another key are not used.
   const std::map<std::string, std::string> good = kept;
   kept.begin()->second[kept.begin()->second.size() / 2] ^= 1;
   EXPECT_GT(baked("third", {}), 12u + 6u);

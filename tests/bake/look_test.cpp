@@ -1,5 +1,5 @@
-// The look score on made bodies: each measure red where it should be, at the value that geometry gives, and
-// green beside it.
+// The look score on simple bodies: each measure is red where it should be, with the value that geometry
+// gives, and green otherwise.
 #include "host/bake/look.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ using Map = std::function<Vector3d(const Vector3d&)>;
 
 constexpr double bar_length = 2.0, bar_side = 0.5;  // m
 
-// Along x, with two joints; every render vertex is a vertex of the model.
+// Along x, with two joints; every render vertex is a model vertex.
 model::Model bar_with_skin() {
   model::Model model = make_model(kuhn_bar(16, 4, 4, 0.125));
   add_skeleton(model);
@@ -106,7 +106,7 @@ TEST_F(LookAtBar, IsAsThickAsItsSide) {
   EXPECT_GT(seen, 50u);
 }
 
-// The farther third three times as long along x.
+// Stretches the part beyond x = 1.25 to three times its length along x.
 Vector3d drawn_out(const Vector3d& p) {
   return {p.x() < 1.25 ? p.x() : 1.25 + 3.0 * (p.x() - 1.25), p.y(), p.z()};
 }
@@ -116,7 +116,7 @@ TEST_F(LookAtBar, StretchIsTheLongestDirection) {
   EXPECT_NEAR(score.value, 3.0, 1e-5);
   EXPECT_GT(score.score, 1.0);
   EXPECT_EQ(body_.joint_names[score.joint], "joint 1");
-  // A shear by 1.5: its longest direction by 1.5/2 + sqrt(1 + (1.5/2)^2).
+  // A shear by 1.5 stretches its longest direction by 1.5/2 + sqrt(1 + (1.5/2)^2).
   const LookScore sheared = look(
       LookMeasure::stretch, [](const Vector3d& p) { return Vector3d(p.x() + 1.5 * p.y(), p.y(), p.z()); });
   EXPECT_NEAR(sheared.value, 2.0, 1e-5);
@@ -124,12 +124,12 @@ TEST_F(LookAtBar, StretchIsTheLongestDirection) {
 
 TEST_F(LookAtBar, WhatSkinningStretchesToIsNoFault) {
   EXPECT_EQ(look(LookMeasure::stretch, drawn_out, drawn_out).score, 0.0);
-  // Nor is flesh that keeps its shape where skinning does not.
+  // Flesh that keeps its shape when skinning does not is no fault either.
   const Map flattened = [](const Vector3d& p) { return Vector3d(0.2 * p.x(), p.y(), p.z()); };
   EXPECT_NEAR(look(LookMeasure::stretch, still, flattened).value, 1.0, 1e-6);
 }
 
-// The far end, turned back through the middle of the bar.
+// The far end, folded back through the middle of the bar.
 Vector3d folded(const Vector3d& p) {
   if (p.x() < 1.5) return p;
   return Vector3d(0.31 + p.y(), 0.17 + 1.1 * (p.x() - 1.5), p.z() * 0.71 + 0.03);
@@ -139,7 +139,7 @@ TEST_F(LookAtBar, CrossingIsOfSkinThatSkinningKeepsApart) {
   const LookScore score = look(LookMeasure::crossing, folded);
   EXPECT_GT(score.score, 1.0);
   EXPECT_EQ(look(LookMeasure::crossing, folded, folded).score, 0.0);
-  // The same skin beside itself crosses nothing.
+  // Stretched skin without a fold does not cross itself.
   EXPECT_EQ(look(LookMeasure::crossing, drawn_out).score, 0.0);
 }
 
@@ -148,8 +148,8 @@ TEST_F(LookAtBar, DistanceIsOverTheThickness) {
     return [way](const Vector3d& p) { return Vector3d(p.x(), p.y(), p.z() + (p.x() > 1.0 ? way : 0.0)); };
   };
   const LookScore far = look(LookMeasure::distance, aside(bar_side));
-  // Normals at the bar's long edges look inward at 45 degrees, where it is thicker; half of the skin is not
-  // there.
+  // Skin away from the bar's long edges counts: at those edges, thickness is measured at 45 degrees and is
+  // larger.
   EXPECT_NEAR(far.value, 1.0, 1e-5);
   EXPECT_GT(far.score, 1.0);
   EXPECT_EQ(body_.joint_names[far.joint], "joint 1");
@@ -170,11 +170,11 @@ TEST_F(LookAtBar, JumpIsAStepThatNoNeighbourInTimeHas) {
     }
     return values;
   };
-  // All of a thickness in one frame.
+  // A whole thickness in one frame.
   const auto popped = jumps([](std::uint64_t k) { return k < 4 ? 0.0 : bar_side; }, 6);
   EXPECT_EQ(popped[3], 0.0);
   EXPECT_GT(popped[4], 1.0);
-  // Six times a second to and fro by half a thickness, seen 60 times a second: soft, fast and smooth.
+  // An oscillation of half a thickness, six times a second at 60 frames a second: soft, fast and smooth.
   const auto jiggled = jumps(
       [](std::uint64_t k) {
         return 0.5 * bar_side * std::sin(2.0 * 3.14159265358979 * 0.1 * static_cast<double>(k));
@@ -184,9 +184,8 @@ TEST_F(LookAtBar, JumpIsAStepThatNoNeighbourInTimeHas) {
   EXPECT_GT(*std::max_element(jiggled.begin(), jiggled.end()), 0.1);
 }
 
-// The same motion may be baked at any rate, and coarse ones do not see more in it. A velocity that a key
-// changes at once by 20 thicknesses a second moves skin by a third of one within a frame at 60, by five
-// sixths at 24.
+// The score must not depend on the frame rate, and coarse rates must not see more. A sudden velocity of 20
+// thicknesses a second moves skin by a third of a thickness per frame at 60, by five sixths at 24.
 TEST_F(LookAtBar, AKickIsNoWorseAtCoarseRates) {
   const auto kicked = [&](double fps, double limit_fps) {
     Look look(model_, body_, limit_fps);
@@ -200,9 +199,9 @@ TEST_F(LookAtBar, AKickIsNoWorseAtCoarseRates) {
   };
   EXPECT_LT(kicked(60.0, 60.0), 1.0);
   EXPECT_NEAR(kicked(24.0, 24.0), kicked(60.0, 60.0), 1e-4);  // positions are floats
-  // Above 60 frames a second the limit stays, so what takes two frames there counts half.
+  // Above 60 frames a second the limit stays the same, so a step spread over two frames counts half.
   EXPECT_NEAR(kicked(120.0, 120.0), 0.5 * kicked(60.0, 60.0), 1e-4);
-  EXPECT_GT(kicked(24.0, 60.0), 1.0) << "the control: a limit that does not know the rate";
+  EXPECT_GT(kicked(24.0, 60.0), 1.0) << "the control: a limit for another rate";
 }
 
 TEST_F(LookAtBar, ARememberedFrameCountsLikeOneLookedAt) {
@@ -222,14 +221,14 @@ TEST_F(LookAtBar, ARememberedFrameCountsLikeOneLookedAt) {
 TEST_F(LookAtBar, InvertedIsBesideSkinning) {
   const Map turned = [](const Vector3d& p) { return p.x() < 1.0 ? p : Vector3d(2.0 - p.x(), p.y(), p.z()); };
   const LookScore score = look(LookMeasure::inverted, turned);
-  // The farther half of all.
+  // The far half of all tetrahedra.
   EXPECT_EQ(score.value, model_.tetrahedron_count() / 2);
   EXPECT_GT(score.score, 1.0);
   EXPECT_EQ(body_.joint_names[score.joint], "joint 1");
   EXPECT_LT(look(LookMeasure::inverted, turned, turned).score, 1.0);
 }
 
-// The bar's skin as that of a character: all of it on joint 1, or a blend of both.
+// The bar's skin as a character's: all on joint 1, or a blend of both joints.
 rig::Character character_of(const model::Model& model, bool is_hard) {
   rig::Character character;
   character.skeleton = {{.name = "hip"}, {.name = "claw"}};
@@ -255,20 +254,20 @@ TEST_F(LookAtBar, RigidPartsMayTurnButNotStrain) {
   EXPECT_EQ(plate.joint_names[red.joint], "claw");
   EXPECT_EQ(rigid(flesh, strained).score, 0.0);
   const Eigen::AngleAxisd turn(2.0, Vector3d(3, 1, 2).normalized());
-  // A few times the rounding of a float over an edge of 1/8.
+  // A few times the rounding of a float, over an edge of 1/8.
   EXPECT_LT(rigid(plate, [&](const Vector3d& p) -> Vector3d { return turn * p; }).value, 1e-5);
 }
 
-// Two bars' skins that only share a place are two parts, if they are two objects.
+// Skin that is partly soft has no rigid part.
 TEST_F(LookAtBar, ARigidPartIsOfOneObject) {
   rig::Character character = character_of(model_, true);
   const std::uint32_t half = model_.surface_count() / 2;
-  // Everything in the first half of the vertices is soft.
+  // The first half of the vertices is soft.
   for (std::uint32_t v = 0; v < half; ++v) character.weights[v] = {0.5, 0.5};
   EXPECT_TRUE(bake::look_body(model_, &character).rigid.empty());
 }
 
-// Against all pairs, each tested by where the edges of one meet the plane of the other.
+// Compared with all pairs, each tested by intersecting the edges of one triangle with the other.
 TEST(TriangleTree, FindsThePairsThatCross) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(0.0f, 1.0f), small(-0.15f, 0.15f);
@@ -283,7 +282,7 @@ TEST(TriangleTree, FindsThePairsThatCross) {
     }
   }
   const auto corner = [&](std::uint32_t t, std::size_t k) { return rest_at(positions, 3 * t + k); };
-  // The edge p q meets the triangle: barycentric coordinates of where it meets the plane.
+  // Whether the edge p q meets the triangle, by barycentric coordinates of its intersection with the plane.
   const auto meets = [&](const Vector3d& p, const Vector3d& q, std::uint32_t t) {
     Eigen::Matrix3d m;
     m << corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0), p - q;
@@ -307,11 +306,11 @@ TEST(TriangleTree, FindsThePairsThatCross) {
   bake::TriangleTree tree(triangles, places, positions);
   EXPECT_GT(expected().size(), 20u);
   EXPECT_EQ(found(tree), expected());
-  // The same after all have gone elsewhere.
+  // The same after all vertices have moved.
   for (float& x : positions) x += small(random);
   tree.fit(positions);
   EXPECT_EQ(found(tree), expected());
-  // Of some triangles only the pairs among them.
+  // For a subset, only the pairs within it.
   std::vector<std::uint8_t> asked(150);
   for (std::uint32_t t = 0; t < 150; ++t) asked[t] = t % 3 != 0;
   auto among = expected();
@@ -320,7 +319,7 @@ TEST(TriangleTree, FindsThePairsThatCross) {
   EXPECT_EQ((std::set<std::pair<std::uint32_t, std::uint32_t>>(some.begin(), some.end())), among);
   EXPECT_GT(among.size(), 5u);
   EXPECT_LT(among.size(), expected().size());
-  // Without the pairs among some: where these lie in leaves of their own, and where they do not.
+  // Without the pairs within a subset, whether or not the subset occupies whole leaves.
   for (const bool apart : {true, false}) {
     std::vector<std::uint8_t> known(150);
     for (std::uint32_t t = 0; t < 150; ++t) known[t] = apart ? corner(t, 0).x() < 0.5 : t % 3 != 0;
@@ -331,7 +330,7 @@ TEST(TriangleTree, FindsThePairsThatCross) {
     EXPECT_GT(others.size(), 5u);
     EXPECT_LT(others.size(), expected().size());
   }
-  // Neighbours do not cross.
+  // Triangles that share a corner do not cross.
   const auto [a, b] = *expected().begin();
   places[3 * a] = places[3 * b + 1];
   EXPECT_FALSE(found(bake::TriangleTree(triangles, places, positions)).contains({a, b}));

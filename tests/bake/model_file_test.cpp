@@ -1,4 +1,4 @@
-// The model beside the frames: what comes back is what went in, and nothing else is taken for it.
+// The model file next to the frames: it survives a round trip, and nothing else is accepted in its place.
 #include "host/bake/model_file.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class ModelFile : public testing::Test {
  protected:
   void TearDown() override { fs::remove(path_); }
   void write(const std::string& bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
-  // What an array of its own has made of model_: another hash, and the same bytes read back and written.
+  // Checks that the changed model_ has another hash and survives a round trip. Returns the model as read.
   model::Model written_and_read() {
     const std::string bytes = bake::encode_model(model_);
     EXPECT_EQ(bake::encoded_bytes(model_), bytes.size());
@@ -36,7 +36,7 @@ class ModelFile : public testing::Test {
     EXPECT_EQ(bake::encode_model(read), bytes);
     return read;
   }
-  // The message of the refusal; empty if it was read.
+  // The error message; empty if the file was read.
   std::string refusal(const std::string& bytes) {
     write(bytes);
     try {
@@ -46,7 +46,7 @@ class ModelFile : public testing::Test {
     }
     return "";
   }
-  // With the checksum that belongs to the bytes before it.
+  // With the correct checksum for the preceding bytes.
   static std::string sealed(std::string bytes) {
     const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size() - 8);
     std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
@@ -70,7 +70,7 @@ TEST_F(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(bake::encoded_bytes(model_), bytes_.size());
 }
 
-// Arrays that most models lack are in the file and in the hash of those alone that have them.
+// Optional arrays are in the file and in the hash only of models that have them.
 TEST_F(ModelFile, AVolumeTermIsInTheFileOfThoseThatHaveOne) {
   EXPECT_EQ(bytes_.find("region_volume"), std::string::npos);
   model_.volume_gain.assign(model_.vertex_count, 2.0f);
@@ -94,7 +94,7 @@ TEST_F(ModelFile, TiesAreInTheFileOfThoseThatHaveThem) {
 
 TEST_F(ModelFile, LimitsAreInTheFileOfThoseThatHaveThem) {
   EXPECT_EQ(bytes_.find("mobility"), std::string::npos);
-  // Limits are for the implicit integrator.
+  // Limits need the implicit integrator.
   model_.youngs_modulus.assign(model_.vertex_count, 1e4);
   model_.stiffness.assign(model_.vertex_count, 1.0);
   model_.carried.assign(model_.has_skeleton() ? model_.vertex_count : 0, 0.0f);
@@ -121,7 +121,7 @@ TEST_F(ModelFile, WhatIsCutShortOrChangedIsRefused) {
   EXPECT_EQ(refusal(bytes_), "");
 }
 
-// A file that lies with a right checksum: other fields, counts beyond its end, indices out of range.
+// Invalid files with a valid checksum: other fields, counts beyond the end, indices out of range.
 TEST_F(ModelFile, WhatLiesIsRefused) {
   std::string renamed = bytes_;
   renamed.replace(renamed.find("source_vertex"), 6, "sauces");
@@ -131,7 +131,7 @@ TEST_F(ModelFile, WhatLiesIsRefused) {
   endless[count + 6] = 0x7f;
   EXPECT_NE(refusal(sealed(endless)).find("ends too soon"), std::string::npos) << refusal(sealed(endless));
   std::string astray = bytes_;
-  astray[count + 8 + 3] = 0x7f;  // the first corner's highest byte
+  astray[count + 8 + 3] = 0x7f;  // the highest byte of the first corner
   EXPECT_NE(refusal(sealed(astray)).find("the model is wrong"), std::string::npos) << refusal(sealed(astray));
   model::Model other = model_;
   other.alpha[0] += 0.25f;

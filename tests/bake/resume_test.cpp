@@ -1,4 +1,4 @@
-// A bake that was stopped goes on to the same bytes, and only where nothing has changed that decides them.
+// A stopped bake resumes to the same bytes, and only if nothing that affects them has changed.
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -41,7 +41,7 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
     EXPECT_EQ(first.frames_done, last);
     EXPECT_EQ(manifest_in(out)["status"], "interrupted");
     EXPECT_EQ(manifest_in(out)["frames_done"], last);
-    // Nothing carries a final name but what is whole.
+    // Only complete files have their final names.
     EXPECT_FALSE(fs::exists(out / "surface.pc2"));
     EXPECT_FALSE(fs::exists(out / "metrics.csv"));
     EXPECT_FALSE(fs::exists(out / "vtu/series.pvd"));
@@ -56,7 +56,7 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
   }
 }
 
-// Of muscles that a run before the stop drove too far, the whole bake's report still tells.
+// Muscles clamped before the stop are still in the report of the whole bake.
 TEST(BakeResume, RemembersClampedMuscles) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
@@ -71,18 +71,18 @@ TEST(BakeResume, RemembersClampedMuscles) {
   const BakeResult result = fake_bake_into(options, short_scene(6));
   EXPECT_EQ(result.clamped.regions, 5u);
   EXPECT_EQ(result.clamped.frame, 2u);
-  // Of all runs.
+  // Timings are sums over all runs.
   for (const char* key : {"solver_seconds", "writing_seconds", "total_seconds"})
     EXPECT_GE(manifest_in(out)["timings"][key], 1000.5) << key;
   EXPECT_EQ(manifest_in(out)["clamped_muscles"]["regions"], 5);
 }
 
-// What leads in before frame 0 is not run again, and its end is the state that frame 0 starts from.
+// The lead-in before frame 0 is not run again; frame 0 starts from its end state.
 TEST(BakeResume, GoesOnAfterALeadIn) {
   const TemporaryFolder folder;
   BendingBar bar = bending_bar(0.2);
   bar.character().clips.push_back({"bent", 0.2, {turn_channel(1, {0.0, 0.2}, {1.0, 1.4})}});
-  // Three riders, each on a vertex, are all its skin.
+  // The skin is three render vertices, each on a model vertex.
   bar.model.surface_vertex = {0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5};
   bar.model.surface_weight = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
   bar.model.surface_triangle = {0, 1, 2};
@@ -111,7 +111,7 @@ TEST(BakeResume, GoesOnAfterALeadIn) {
   }
 }
 
-// checkpoint.h describes the file: read by that alone, it ends where it should, and holds what was saved.
+// checkpoint.h describes the file: a reader written from it alone reaches the end and finds what was saved.
 TEST(Checkpoint, IsWhatItsHeaderDescribes) {
   bake::Checkpoint saved;
   saved.identity = {{"scene", "a bar"}, {"fps", "24"}};
@@ -167,7 +167,7 @@ TEST(Checkpoint, IsWhatItsHeaderDescribes) {
   EXPECT_EQ(step, 0.0125);
   expect_floats(saved.skinned[0]);
   expect_floats(saved.skinned[1]);
-  EXPECT_EQ(at + 8, bytes.size()) << "the checksum is the last";
+  EXPECT_EQ(at + 8, bytes.size()) << "the checksum is the last field";
 }
 
 TEST(BakeResume, ACompleteBakeStaysAsItIs) {
@@ -187,7 +187,7 @@ TEST(BakeResume, StartsWhereThereIsNothing) {
   EXPECT_EQ(fake_bake_into(options, short_scene(2)).frames_done, 2u);
 }
 
-// A bake that stops between the renames at its end has some files under their final names.
+// A bake that stops between the final renames has some files under their final names.
 TEST(BakeResume, TakesBackFinishedFiles) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
@@ -223,7 +223,7 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   scene = short_scene(6);
   scene.input_hashes.emplace_back("other/body.mesh", "ffffffffffffffff");
   EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh (2) was absent"))
-      << "of another folder";
+      << "a file of the same name in another folder";
   BakeOptions changed = options;
   changed.formats = {"pc2"};
   EXPECT_TRUE(
@@ -234,7 +234,7 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   without.formats = {"obj", "vtu"};
   without.resume = true;
   EXPECT_TRUE(contains(refusal(short_scene(6), without), "--format was obj and is obj,vtp,vtu"))
-      << "its velocities are not kept";
+      << "its velocities were not kept";
   changed = options;
   changed.first_number = 7;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--first-frame was absent and is 7"));
@@ -242,27 +242,28 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   scene.motion.hold = 0.1;
   EXPECT_TRUE(contains(refusal(scene, options), "motion was "));
   EXPECT_TRUE(contains(refusal(short_scene(2), options), "end was 0.75 and is 0.58"))
-      << "before what is done";
+      << "the end is before frames already done";
   changed = options;
   changed.device.exact = false;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "device was exact and is fake, none"));
-  // Another exact device has the same bits.
+  // Another exact device gives the same bits.
   changed = options;
   changed.device.name = "another";
   EXPECT_EQ(fake_bake_into(changed, short_scene(6)).frames_done, 6u);
 }
 
-// Where the frames stay, what is written of them may change: both are as if asked for from the beginning.
+// As long as frames stay the same, output may change: the result is as if the final settings had been used
+// from the start.
 struct Changed {
   const char* name;
   std::uint64_t stopped_at, frames_before, frames;
   std::vector<std::string> formats_before;
   std::uint64_t stride = 1;
-  std::vector<std::string> formats = {};  // of both; empty: all
+  std::vector<std::string> formats = {};  // for both bakes; empty: all
 };
 
-// Leaves the folder as a kill does between the checkpoint that asks for new files and the first of them: a
-// name that a file will have is a folder there.
+// Leaves the folder as after a kill between the checkpoint that lists new files and the first of these files.
+// A folder with the name of a file makes the bake fail there.
 void killed_before_files(const BakeOptions& options, const scene::Scene& scene) {
   const fs::path model_file = options.folder / "model.fascicle";
   const fs::path aside = options.folder / "aside";
@@ -286,7 +287,7 @@ TEST_P(BakeResumeChanged, GivesTheBytesOfABakeAskedForSoFromTheBeginning) {
   bake_until(before, short_scene(change.frames_before), change.stopped_at);
   options.folder = folder / "out";
   options.resume = true;
-  // Killed before a file is begun anew, then stopped after.
+  // Killed before the new files are started, then stopped afterwards.
   killed_before_files(options, short_scene(change.frames));
   bake_until(options, short_scene(change.frames), std::min(change.stopped_at, change.frames));
   const BakeResult result = fake_bake_into(options, short_scene(change.frames));
@@ -322,7 +323,7 @@ TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
   scene.text = text + "jitter = 0.1\n";
   EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, scene); }),
                        "the key bar.jitter was absent and is 0.1;"));
-  // What follows from a key is not said again, and long values are not said whole.
+  // Consequences of a key are not listed again, and long values are shortened.
   std::string many = "1.0";
   for (int k = 0; k < 99; ++k) many += ", 1.0";
   scene.text = "[scene]\nfps = 30\n[bar]\nsize = [1.0, 1.0, " + many + "]\n";
@@ -334,7 +335,7 @@ TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
   EXPECT_LT(message.size(), 600u) << message;
 }
 
-// Until its files are whole, none of the formats can be left out.
+// Until the new files are complete, no format can be dropped.
 TEST(BakeResume, FormatsThatAreBegunAnewCannotBeLeftOut) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
@@ -348,7 +349,7 @@ TEST(BakeResume, FormatsThatAreBegunAnewCannotBeLeftOut) {
                        "--format was obj,pc2 and is obj"));
 }
 
-// From the end that the clip has by itself too.
+// This includes a scene without an end, which takes the clip's.
 TEST(BakeResume, AnEndMayBeStatedWhereNoneWas) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
@@ -360,7 +361,7 @@ TEST(BakeResume, AnEndMayBeStatedWhereNoneWas) {
   EXPECT_EQ(fake_bake_into(options, scene).frames_done, 6u);
 }
 
-// A muscle's hinge is where the motion bends most, wherever that is.
+// A muscle's hinge is where the motion bends most, so it depends on the end.
 TEST(BakeResume, TheEndOfABodyWithMusclesStays) {
   scene::Scene scene = short_scene(6);
   const bake::Difference end{"end", "0.75", "1"};
@@ -369,7 +370,7 @@ TEST(BakeResume, TheEndOfABodyWithMusclesStays) {
   EXPECT_FALSE(leaves_frames(end, scene, 3));
 }
 
-// A file that is no bake's is not written over, whenever its name is asked for.
+// A file that no bake made is never overwritten, whenever its format is added.
 TEST(BakeResume, MoreFormatsRefuseForeignFiles) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
@@ -421,7 +422,7 @@ TEST(BakeResume, RefusesDamagedFiles) {
   EXPECT_TRUE(contains(refusal_after("frames.fascicle", flip_middle), "is damaged"));
   EXPECT_TRUE(contains(refusal_after("surface.pc2.part", halve), "fewer frames than the checkpoint"));
   EXPECT_TRUE(contains(refusal_after("metrics.csv.part", halve), "fewer frames than the checkpoint"));
-  // And after any of it a new start works.
+  // After any of these, a fresh start works.
   options.resume = false;
   options.overwrite = true;
   EXPECT_EQ(fake_bake_into(options, short_scene(6)).frames_done, 6u);
@@ -440,9 +441,8 @@ TEST(BakeResume, DropsAHalfWrittenFrame) {
   EXPECT_EQ(content_of(folder / "out"), whole);
 }
 
-// Death at any moment: the child is killed, often several times, until a run comes through.
-// What a manifest counts is there, also where a kill left it ahead of the checkpoint, and the frames between
-// are about to be written again.
+// The manifest never counts frames that are about to be rewritten, even if a kill left it ahead of the
+// checkpoint.
 TEST(BakeResume, CountsNoFrameThatItWritesAgain) {
   const TemporaryFolder folder;
   bake_until(options_for(folder / "earlier"), short_scene(9), 3);
@@ -478,8 +478,8 @@ TEST(BakeResume, SurvivesBeingKilledAtRandomMoments) {
   int kills = 0, kills_with_checkpoint = 0;
   for (int round = 0; round < 5; ++round) {
     const fs::path out = folder / ("round" + std::to_string(round));
-    // The first life is shorter than the solver's own time, so each round has a kill; later ones grow, so
-    // each ends.
+    // The first lifetime is shorter than the solver's own time, so each round has a kill. Later ones get
+    // longer, so each round ends.
     unsigned longest = frames * frame_microseconds;
     for (bool done = false; !done; longest += static_cast<unsigned>(took.count() / 4)) {
       BakeOptions options = options_for(out);

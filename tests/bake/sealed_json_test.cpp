@@ -1,4 +1,4 @@
-// JSON files of our own: any bit that turns is found, and files of before, without a checksum, are read.
+// Our own JSON files: any flipped bit is detected, and older files without a checksum are still read.
 #include "host/bake/sealed_json.h"
 
 #include <string>
@@ -38,7 +38,7 @@ TEST(SealedJson, ATurnedBitIsFound) {
       std::string turned = text;
       turned[at] = static_cast<char>(static_cast<unsigned char>(turned[at]) ^ (1u << bit));
       const Json read = Json::parse(turned, nullptr, false);
-      // An e of an exponent may as well be an E.
+      // A flipped bit can turn the e of an exponent into an E, which means the same.
       if (!read.is_object() || read == Json::parse(text)) continue;
       EXPECT_TRUE(is_damaged(read)) << turned;
     }
@@ -65,7 +65,7 @@ TEST(SealedJson, AManifestIsReadOnlyWhole) {
     write_text(path, turned);
     EXPECT_FALSE(bake::read_manifest(folder / "out")) << at << ": " << turned;
   }
-  // What says how a bake stands seals it again.
+  // Functions that update the manifest seal it again.
   write_text(path, whole);
   bake::set_status(folder / "out", bake::Status::failed, "a reason");
   EXPECT_EQ(bake::manifest_of(folder / "out").message, "a reason");

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// strace -xx writes every text as \xNN.
+// strace -xx writes all text as \xNN.
 std::string unescaped(std::string_view text) {
   std::string bytes;
   for (std::size_t k = 0; k < text.size();) {
@@ -33,7 +33,7 @@ std::string unescaped(std::string_view text) {
   return bytes;
 }
 
-// A line without its process: name(arguments) = result.
+// A line without its process ID: name(arguments) = result.
 struct TracedLine {
   std::string name;
   std::vector<std::string> arguments;
@@ -59,7 +59,7 @@ std::optional<TracedLine> parse_line(const std::string& line) {
   return traced;
 }
 
-// Between two marks, as "TEXT" and 3<PATH>.
+// The text between two delimiters, as in "TEXT" and 3<PATH>.
 std::string between(const std::string& text, char first, char last) {
   const std::size_t begin = text.find(first), end = text.rfind(last);
   if (begin == std::string::npos || end == std::string::npos || end <= begin) return "";
@@ -77,7 +77,7 @@ std::optional<DiskCall> call_of(const TracedLine& line) {
   if (result.starts_with("-1")) return std::nullopt;
   const std::string by_descriptor = between(arguments.at(0), '<', '>');
   if (name == "openat") {
-    // What is opened anew or emptied; O_TRUNC of a file that is there empties it.
+    // Files created or truncated; O_TRUNC truncates an existing file.
     if (arguments.at(2).find("O_CREAT") == std::string::npos) return std::nullopt;
     return DiskCall{DiskCall::Kind::create, between(arguments.at(1), '"', '"'), {}, {}, 0};
   }
@@ -133,7 +133,7 @@ std::string why_no_strace() {
 
 std::vector<DiskCall> traced(const std::string& command, const fs::path& folder) {
   const std::string log = folder.string() + ".strace", output = folder.string() + ".output";
-  // The address sanitizer looks for leaks as a debugger would, and a process has one at most.
+  // Leak detection attaches like a debugger, and a process can have only one.
   const std::string run =
       "ASAN_OPTIONS=\"$ASAN_OPTIONS:detect_leaks=0\" strace -f -y -xx -s 100000000 -e trace=" +
       std::string(traced_calls) + " -o " + in_shell_quotes(log) + " sh -c " + in_shell_quotes(command) +
@@ -144,7 +144,7 @@ std::vector<DiskCall> traced(const std::string& command, const fs::path& folder)
     throw std::runtime_error(command + ": failed: " + said.str());
   }
   std::vector<DiskCall> calls;
-  std::map<std::string, std::string> unfinished;  // by process
+  std::map<std::string, std::string> unfinished;  // by process ID
   std::ifstream in(log);
   for (std::string line; std::getline(in, line);) {
     const std::size_t space = line.find_first_not_of("0123456789");
@@ -154,7 +154,7 @@ std::vector<DiskCall> traced(const std::string& command, const fs::path& folder)
       unfinished[process] = rest.substr(0, mark);
       continue;
     }
-    // Done where it ends: before that nothing is promised.
+    // A call takes effect when it returns; nothing is guaranteed before that.
     if (rest.starts_with("<... ")) rest = unfinished[process] + rest.substr(rest.find("resumed>") + 8);
     const std::optional<TracedLine> parsed = parse_line(rest);
     if (!parsed) continue;
@@ -189,7 +189,7 @@ void Disk::apply(const DiskCall& call) {
   };
   switch (call.kind) {
     case DiskCall::Kind::create:
-      // One that is there is emptied; its inode stays.
+      // An existing file is truncated and keeps its inode.
       if (const auto found = latest_.find(call.path); found != latest_.end()) {
         found->second->bytes.clear();
         found->second->is_dirty = true;
@@ -237,7 +237,7 @@ void Disk::apply(const DiskCall& call) {
   }
 }
 
-// A name is safe only in a folder whose own name is.
+// A name is safe only if its folder's name is safe too.
 bool Disk::is_below_safe(const std::string& path) const {
   for (fs::path above = fs::path(path).parent_path(); above.string().size() >= folder_.size();
        above = above.parent_path())

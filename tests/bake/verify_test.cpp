@@ -1,4 +1,4 @@
-// What `fascicle verify` says of a bake that is as it was written, and of one in which any byte is not.
+// `fascicle verify` on intact bakes, and on bakes with any byte changed.
 #include "host/bake/verify.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ void flip(const fs::path& path, std::uint64_t at) {
   file.put(static_cast<char>(byte ^ 0x10u));
 }
 
-// The same bake in a fresh folder, of frames 0 to 6.
+// A bake in a fresh folder, frames 0 to 6.
 class Verify : public testing::Test {
  protected:
   void SetUp() override { fake_bake_into(options_for(bake), short_scene(6)); }
@@ -62,7 +62,7 @@ TEST_F(Verify, FindsNothingInABakeThatWasStopped) {
   EXPECT_EQ(finding_of(result, "checkpoint"), "good: of frame 3, good");
 }
 
-// Every byte: in the header, in the numbers, in checksums and in what fills up.
+// Bytes everywhere: in headers, numbers, checksums and padding.
 TEST_F(Verify, FindsAnyByteThatIsNotAsItWas) {
   for (const char* name : {"frames.fascicle", "model.fascicle", "checkpoint"}) {
     const fs::path path = bake / name;
@@ -117,7 +117,7 @@ TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {
   EXPECT_EQ(finding_of(verify_bake({.bake = options.folder}), "obj/"), "wrong: is not there");
 }
 
-// A whole frame with a good checksum, and not the one that the manifest has the hash of.
+// A valid frame with a valid checksum, but not the hash in the manifest.
 TEST_F(Verify, FindsAFrameOfAnotherBake) {
   const fs::path path = bake / "frames.fascicle";
   std::string record;
