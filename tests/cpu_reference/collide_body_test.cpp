@@ -1,4 +1,4 @@
-// Bodies of flesh among solids: what holds of energy, rest and reaction.
+// Bodies of flesh in contact with solids: energy, rest and reaction forces.
 #include <numeric>
 
 #include "tests/cpu_reference/collide_models.h"
@@ -8,11 +8,11 @@ namespace fascicle::tests {
 namespace {
 
 struct Dropped {
-  double highest = 0.0;  // of the centre of mass after it has landed
+  double highest = 0.0;  // of the centre of mass after landing
   double start = 0.0, end = 0.0, lowest = 1.0;
 };
 
-// A block of flesh, 0.25 m wide and 0.125 m high, that falls 0.25 m onto the floor.
+// A block of flesh, 0.25 m wide and 0.125 m high, falls 0.25 m onto the floor.
 Dropped dropped(const Way& way, double damping, bool acts) {
   Model model = make_model(kuhn_bar(4, 2, 2, 0.0625), {.alpha = 0.25f, .damping = damping});
   if (way.implicit) model = make_implicit(std::move(model), 5e3);
@@ -48,24 +48,25 @@ Dropped dropped(const Way& way, double damping, bool acts) {
   return d;
 }
 
-// Flesh gives back what it has taken up, the floor gives nothing: it never comes up to where it fell from.
+// Flesh returns the energy it absorbed and the floor returns none, so the block never reaches its starting
+// height.
 TEST(Collide, AnElasticBlockComesUpLowerThanItFell) {
   for_each_way([](const Way& way) {
     for (const double damping : {0.0, 8.0}) {
       const Dropped d = dropped(way, damping, true);
       EXPECT_GT(d.lowest, -near_surface);
-      EXPECT_GT(d.highest, 0.0) << "it has landed";
+      EXPECT_GT(d.highest, 0.0) << "it landed";
       EXPECT_LT(d.highest, d.start - 0.02) << damping;
-      EXPECT_GT(d.end, 0.03) << "it is not flat";
+      EXPECT_GT(d.end, 0.03) << "the block is not flattened";
       if (damping > 0.0) {
-        EXPECT_LT(d.end, 0.08) << "it lies";
+        EXPECT_LT(d.end, 0.08) << "the block lies on the floor";
       }
     }
     EXPECT_LT(dropped(way, 8.0, false).lowest, -1.0) << "the control: no floor";
   });
 }
 
-// A body with a floor below it and a lid above it, which come to it from a thousand working units away.
+// A body with a floor below and a lid above, which arrive from a thousand working units away.
 struct Pressed {
   explicit Pressed(Model made) : model(std::move(made)) {
     model.collider_count = 2;
@@ -87,7 +88,8 @@ struct Pressed {
     solver->submit(drive.get(), {.positions = true, .velocities = true}, &probe);
     frame = solver->collect();
   }
-  // What flesh pulls at the vertices below or above that height (N): mass x stiffness x (x - goal), along y.
+  // The force of flesh on the vertices below or above this height (N): mass x stiffness x (x - goal), along
+  // y.
   double pull(bool above, double height) const {
     double sum = 0.0;
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -114,32 +116,31 @@ struct Pressed {
 
 constexpr double far_away = 1000.0;
 
-// A bar of 0.1 x 0.2 x 0.1 m between plates without friction, one of which comes down by a twentieth of its
-// height. At rest the flesh of a vertex that nothing holds pulls at it by nothing, so what it pulls at the
-// others is what the plates bear: E x area x 0.05.
+// A bar of 0.1 x 0.2 x 0.1 m between frictionless plates, one of which comes down by a twentieth of the bar's
+// height. At rest, flesh exerts no force on a free vertex, so its force on the others is the load on the
+// plates: E x area x 0.05.
 TEST(CollideBody, PlatesBearWhatRodTheorySays) {
   constexpr double E = 50e3, force = E * 0.1 * 0.1 * 0.05;
   Pressed bar(make_implicit(make_model(kuhn_bar(5, 10, 5, 0.02), {.damping = 10.0}), E));
   const auto lid = [](double t) { return 0.2 - 0.01 * std::min(1.0, t); };
   for (int k = 0; k < 480; ++k) bar.step(0.0, lid(k * Pressed::h), lid((k + 1) * Pressed::h), 0.0);
   const double below = bar.pull(false, 0.01), above = -bar.pull(true, 0.18);
-  // Stiffness is fitted to E inside a body. At its ends and sides regions are cut off, which takes off 3.8 %
-  // here.
+  // Stiffness is fitted to E inside a body. Regions at ends and sides are truncated, which costs 3.8 % here.
   EXPECT_NEAR(above, force, 0.05 * force);
-  // The weights are such that flesh pulls at a whole body by nothing. Iterations end a thousandth before
-  // that.
+  // With these weights, flesh exerts no net force on the whole body. The iterations stop a thousandth short
+  // of that.
   EXPECT_NEAR(below, above, 1e-3 * force);
-  EXPECT_NEAR(bar.pull(true, 0.01), -above, 1e-3 * force) << "of those between";
+  EXPECT_NEAR(bar.pull(true, 0.01), -above, 1e-3 * force) << "on the vertices between the plates";
 }
 
-// The floor bears the weight, and a body sags under it: by density g H^2 / 3 E, of its middle.
+// The floor bears the weight, and the centre of the body sags by density g H^2 / 3 E.
 TEST(CollideBody, AFloorBearsTheWeight) {
   constexpr double E = 40e3, H = 0.2;
   Pressed bar(make_implicit(make_model(kuhn_bar(5, 10, 5, 0.02), {.damping = 20.0}), E));
   bar.drive.drive.gravity = {0.0f, float(-g), 0.0f};
   for (int k = 0; k < 960; ++k) bar.step(0.0, far_away, far_away, 0.0);
   const double weight = g * bar.mass(), sag = 1000.0 * g * H * H / (3.0 * E);
-  // Beside what it pulls, the floor bears those vertices themselves.
+  // In addition to flesh's force, the floor bears the lowest vertices themselves.
   double on_floor = 0.0;
   for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i)
     if (triple(bar.frame.positions, i).y() < 0.01) on_floor += g * bar.model.mass[i];
@@ -148,8 +149,8 @@ TEST(CollideBody, AFloorBearsTheWeight) {
   EXPECT_NEAR(0.5 * H - bar.height(), sag, 0.1 * sag);
 }
 
-// Flesh's own energy is never below 0, and a floor that stands gives none: motion and height together never
-// have more than what fell.
+// The elastic energy of flesh is never negative and a static floor adds none, so kinetic and potential energy
+// never exceed their initial sum.
 TEST(CollideBody, WhatFallsNeverHasMoreEnergyThanItFellWith) {
   for (const bool implicit : {false, true})
     for (const double damping : {0.0, 3.0})
@@ -175,13 +176,13 @@ TEST(CollideBody, WhatFallsNeverHasMoreEnergyThanItFellWith) {
         }
         SCOPED_TRACE((implicit ? "implicit, damping " : "explicit, damping ") + std::to_string(damping) +
                      ", friction " + std::to_string(friction));
-        // Each substep rounds a velocity of 2 m/s to 2^-23 of it, and a place likewise: as if all to one
-        // side.
+        // Each substep rounds a velocity of 2 m/s to 2^-23 of it, and a position likewise; the bound assumes
+        // that all errors have the same sign.
         EXPECT_LT(highest, 720 * 0x1p-22 * body.mass() * g * fall);
-        // Most of it is lost where it lands, and with damping all the rest of its motion.
+        // Most of the energy is lost on landing, and with damping the rest of the motion is lost too.
         const double lost = (first - energy()) / (body.mass() * g * fall);
         EXPECT_GT(lost, 0.8);
-        EXPECT_LT(lost, 1.1) << "it lies on the floor, less its sag";
+        EXPECT_LT(lost, 1.1) << "it lies on the floor, lower by its sag";
       }
 }
 

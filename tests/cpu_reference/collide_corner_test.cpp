@@ -1,4 +1,4 @@
-// Vertices in corners of several solids: they end outside of all of them.
+// Vertices in corners of several solids end outside all of them.
 #include "tests/cpu_reference/collide_models.h"
 
 namespace fascicle::tests {
@@ -7,20 +7,21 @@ namespace {
 
 using Solids = PointMass::Solids;
 
-// A plane through the origin whose solid side is behind `normal`.
+// A plane through the origin; the solid is on the side opposite to `normal`.
 Solid plane_along(const Vector3d& normal) {
   Solid plane;
   plane.axes = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal).toRotationMatrix();
   return plane;
 }
 
-// What stands in the room between two planes that meet along z, at this angle; the corner opens along x.
+// Two planes that meet along z and leave free the space between them, at this angle; the corner opens along
+// x.
 Solids wedge(double degrees) {
   const double a = degrees * pi / 360.0;
   return {plane_along({std::sin(a), std::cos(a), 0}), plane_along({std::sin(a), -std::cos(a), 0})};
 }
 
-// Three planes that meet at the origin, each at this angle from the axis x, along which the corner opens.
+// Three planes that meet at the origin, each at this angle to the x axis, along which the corner opens.
 Solids pit(double degrees) {
   Solids planes;
   for (const double turn : {0.0, 2.0 * pi / 3.0, 4.0 * pi / 3.0}) {
@@ -30,7 +31,7 @@ Solids pit(double degrees) {
   return planes;
 }
 
-// A box that stands on a plane, its side at this angle to it; the corner opens along x.
+// A box on a plane, with its side at this angle to it; the corner opens along x.
 Solids box_on_plane(double degrees) {
   const Solids planes = wedge(degrees);
   Solid box;
@@ -57,11 +58,11 @@ double least_distance(const Solids& solids, const Vector3d& q) {
 }
 
 struct Held {
-  double deepest = 0.0, furthest = 0.0, fastest = 0.0;  // ever; in the end
+  double deepest = 0.0, furthest = 0.0, fastest = 0.0;  // over the whole run; the last two at its end
 };
 
-// A mass flies into the corner at 3 m/s and is pressed into it by ten times its weight, and aside by two. The
-// worst of six turns of all this, with the solids in either order.
+// A mass flies into the corner at 3 m/s and is pressed into it by ten times its weight and sideways by twice
+// its weight. Returns the worst of six rotated cases, with the solids in either order.
 Held pressed_into(const Way& way, const Solids& corner, const Vector3d& aside, double mu) {
   Held held;
   std::mt19937 random(6);
@@ -91,15 +92,15 @@ struct Corner {
 };
 
 std::vector<Corner> corners() {
-  // What lies on a solid is off by what touches, and by the rounding of its maps and its place.
+  // A vertex resting on a solid is off by the contact distance and the rounding of maps and positions.
   constexpr double rounding = 4 * near_surface;
   std::vector<Corner> all;
   for (const double degrees : {15.0, 30.0, 60.0, 90.0, 120.0, 150.0})
     all.push_back({"wedge " + std::to_string(degrees), wedge(degrees), {0, 0.1, 0}, rounding});
   for (const double degrees : {30.0, 35.264, 60.0})
     all.push_back({"pit " + std::to_string(degrees), pit(degrees), {0, 0.1, 0.05}, rounding});
-  // A push goes along one other plane, and along three that are this steep it comes to the corner bit by bit:
-  // within 0.1 mm after all looks, where a substep's way in is 1.7 mm.
+  // A push slides along only one other plane. With three planes this steep it approaches the corner step by
+  // step: within 0.1 mm after all passes, where a substep's motion is 1.7 mm.
   all.push_back({"pit 15", pit(15.0), {0, 0.1, 0.05}, 2e-4});
   for (const double degrees : {30.0, 60.0, 90.0, 120.0})
     all.push_back({"box " + std::to_string(degrees), box_on_plane(degrees), {0, -0.1, 0}, rounding});
@@ -113,14 +114,14 @@ TEST(CollideCorner, HoldsWhatIsPressedIntoIt) {
         SCOPED_TRACE(corner.name + ", friction " + std::to_string(mu));
         const Held held = pressed_into(way, corner.solids, corner.aside, mu);
         EXPECT_LT(held.deepest, corner.deepest);
-        // Without friction a flat one is still swung through: it stops where both sides press.
+        // Without friction the mass still swings through a flat corner; it stops where both sides press.
         EXPECT_LT(held.furthest, 0.01);
         EXPECT_LT(held.fastest, 0.2);
       }
   });
 }
 
-// The control: one after the other, without a second look, each solid would push into the other.
+// The control: without a second pass, each solid would push the mass into the other.
 TEST(CollideCorner, OneOfItsSidesAloneDoesNotHold) {
   for_each_way([](const Way& way) {
     for (Corner corner : corners()) {
@@ -133,8 +134,7 @@ TEST(CollideCorner, OneOfItsSidesAloneDoesNotHold) {
   });
 }
 
-// Planes that come together until they leave no room: nothing is thrown, and what is no number does not come
-// up.
+// Planes that close until they leave no room: nothing is thrown, and no NaN appears.
 TEST(CollideCorner, NoRoomThrowsNothing) {
   for_each_way([](const Way& way) {
     const auto press = [](double t) {
@@ -146,8 +146,8 @@ TEST(CollideCorner, NoRoomThrowsNothing) {
     for (int k = 0; k < 480; ++k) {
       mass.step();
       ASSERT_LT((mass.q - Vector3d(0.1, 0.0, 0.2)).norm(), 0.1);
-      // The plane's own speed is 1 m/s. Up to 0.05 m below the floor, this one lifts by five times that a
-      // second, which is taken for a lift without speed; and gravity adds that of a substep.
+      // The plane moves at 1 m/s. Up to 0.05 m below the floor, the plane's lift is five times that per
+      // second, which does not count as speed; and gravity adds a substep's worth.
       ASSERT_LT(mass.v.norm(), 1.0 + lifting_rate * 0.05 + g / 240.0);
     }
     EXPECT_LT(mass.v.norm(), 0.3);

@@ -1,4 +1,4 @@
-// A mass by itself, or a body, among solids: what the tests of stage collide share.
+// A single mass, or a body, with solids: shared by the tests of stage collide.
 #pragma once
 
 #include <algorithm>
@@ -31,20 +31,20 @@ using model::State;
 
 inline constexpr double pi = std::numbers::pi;
 inline constexpr double g = 9.81;
-// What touches is at most 2^-18 working units away, and a place is rounded to float: half of 2^-23 of a
-// coordinate below 2.
+// A contact is at most 2^-18 working units away, and a position is rounded to float: half of 2^-23 for
+// coordinates below 2.
 inline constexpr double near_surface = 0x1p-18 + 0x1p-22;
 
-// A solid as it stands at one time; metres, which are the working units here.
+// A solid's pose at one time, in metres, which are the working units here.
 struct Solid {
   enum Shape { plane, sphere, capsule, box } shape = plane;
   Vector3d center = Vector3d::Zero();
-  Matrix3d axes = Matrix3d::Identity();   // a plane's normal and a capsule's axis are the second
-  Vector3d half_size = Vector3d::Zero();  // of a box with its rounding, of a capsule (0, half its axis, 0)
-  double radius = 0.0;                    // of a plane: its thickness
+  Matrix3d axes = Matrix3d::Identity();   // the second axis is a plane's normal and a capsule's axis
+  Vector3d half_size = Vector3d::Zero();  // box: including its rounding; capsule: (0, half its axis, 0)
+  double radius = 0.0;                    // plane: its thickness
 };
 
-// How far a point is from the surface, below 0 inside: as a text book has it, shape by shape.
+// Signed distance of a point from the surface, negative inside, by the textbook formula of each shape.
 inline double distance_to(const Solid& solid, const Vector3d& point) {
   const Vector3d p = solid.axes.transpose() * (point - solid.center);
   switch (solid.shape) {
@@ -57,7 +57,7 @@ inline double distance_to(const Solid& solid, const Vector3d& point) {
       return (p - Vector3d(0, along, 0)).norm() - solid.radius;
     }
     case Solid::box: {
-      // Outside: to the nearest point of the box without its rounding. Inside: to its nearest face.
+      // Outside: to the nearest point of the box without its rounding. Inside: to the nearest face.
       const Vector3d core = solid.half_size - Vector3d::Constant(solid.radius);
       const Vector3d nearest = p.cwiseMax(-core).cwiseMin(core);
       if (nearest != p) return (p - nearest).norm() - solid.radius;
@@ -76,7 +76,7 @@ inline void write_map(const Solid& solid, float* rows) {
   }
 }
 
-// 1/s, as scenes have it.
+// 1/s, the same as in scenes.
 inline constexpr double lifting_rate = 5.0;
 
 inline shader::Collider collider(const Solid& before, const Solid& at, double friction, double h) {
@@ -119,17 +119,17 @@ inline void for_each_way(const Check& check) {
     }
 }
 
-// The corner of a tetrahedron whose others are held: without stiffness it is a mass by itself.
+// A corner of a tetrahedron whose other corners are kinematic: without stiffness it is a free mass.
 inline Model point_mass_model(bool implicit, std::uint32_t solids) {
   Mesh mesh = regular_tetrahedron();
   for (Vector3d& p : mesh.points) p *= 0.0625;
   Model model = make_model(mesh, {.alpha = 0.0f});
   for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
   fill_weights(model);
-  // 1e-9 Pa pulls by less than 1e-9 m/s^2.
+  // 1e-9 Pa accelerates by less than 1e-9 m/s^2.
   if (implicit) model = make_implicit(std::move(model), 1e-9);
   model.collider_count = solids;
-  // The held ones may lie anywhere.
+  // Kinematic vertices may be inside solids.
   model.spared.assign(model.vertex_count, 0);
   check_model(model);
   return model;
@@ -139,7 +139,7 @@ inline Vector3d triple(const std::vector<float>& values, std::uint32_t i) {
   return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
 }
 
-// A mass by itself among solids. `at(t)`: where they stand at a time.
+// A single mass among solids. `at(t)` gives the solids at time t.
 struct PointMass {
   using Solids = std::vector<Solid>;
   using Moving = std::function<Solids(double)>;
@@ -179,7 +179,7 @@ struct PointMass {
     v = triple(frame.velocities, 0);
     time += h;
   }
-  // The least distance to the first solid on the way.
+  // The least distance to the first solid over these steps.
   double least_distance(int steps) {
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < steps; ++k) {
@@ -194,7 +194,7 @@ struct PointMass {
   TestDrive drive;
   Moving at;
   double h, friction, time = 0.0;
-  bool acts = true;  // else the solids are far away
+  bool acts = true;  // otherwise the solids are far away
   Vector3d q, v;
 };
 
@@ -204,7 +204,7 @@ inline Solid floor_at(double thickness = 0.0) {
   return floor;
 }
 
-// A plane through the origin, turned by an angle about z: down along it is (-cos, -sin, 0).
+// A plane through the origin, rotated by an angle about z; downhill is (-cos, -sin, 0).
 inline Solid slope(double degrees) {
   Solid plane;
   plane.axes = AngleAxisd(degrees * pi / 180.0, Vector3d::UnitZ()).toRotationMatrix();
@@ -232,7 +232,7 @@ inline Solid random_solid(Solid::Shape shape, std::mt19937& random) {
   return solid;
 }
 
-// A plate 5 mm thick, 8 m wide, turned by any rotation.
+// A plate 5 mm thick and 8 m wide, with any orientation.
 inline Solid plate(const Matrix3d& axes) {
   Solid box;
   box.shape = Solid::box;
@@ -241,7 +241,7 @@ inline Solid plate(const Matrix3d& axes) {
   return box;
 }
 
-// Shown of one stage over a run.
+// Records the output of one stage over a run.
 struct StageProbe : model::Probe {
   void on_stage(const model::Where& where, std::span<const float> values) override {
     if (where.stage == stage) seen.emplace_back(values.begin(), values.end());

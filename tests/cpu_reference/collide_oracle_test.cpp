@@ -1,4 +1,5 @@
-// Stage collide of CpuSolver against the Oracle's, and its lanes, threads and pauses against each other.
+// Stage collide of CpuSolver compared with the Oracle's, and its lanes, threads and resumed runs compared
+// with each other.
 #include "tests/cpu_reference/collide_models.h"
 #include "tests/support/bar_model.h"
 
@@ -6,7 +7,7 @@ namespace fascicle::tests {
 
 namespace {
 
-// A block that is dropped among solids which move and turn.
+// A block that falls among moving and rotating solids.
 struct Scuffle {
   explicit Scuffle(bool implicit)
       : model(make_model(jittered(kuhn_bar(5, 3, 3, 0.0625), 1.0 / 1024, 8, 2),
@@ -48,10 +49,11 @@ struct Scuffle {
   TestDrive drive;
 };
 
-// A substep from the same state each time. A way is followed to anywhere within 2^-18 of a surface, whose
-// plane there turns by sqrt(2 x 2^-18 / radius), 0.03 of the roundest here, over what is met at different
-// places; times the millimetre that a grazing way leads in, 3e-5. Velocities are that over h, and
-// twice as much in a corner of two solids: what is led along both goes further by 1 over the angle's sine.
+// Both solvers start each substep from the same state. A path may end anywhere within 2^-18 of a surface.
+// Over that range the tangent plane turns by sqrt(2 x 2^-18 / radius), 0.03 for the roundest solid here;
+// times the millimetre by which a grazing path enters, that is 3e-5. Velocities differ by that over h, and by
+// twice as much in a corner of two solids: a vertex guided along both moves further by 1 over the sine of the
+// angle.
 TEST(Collide, EverySubstepIsTheOracles) {
   for (const bool implicit : {false, true}) {
     SCOPED_TRACE(implicit ? "implicit" : "explicit");
@@ -86,11 +88,11 @@ TEST(Collide, EverySubstepIsTheOracles) {
     }
     EXPECT_LT(furthest, 4e-5);
     EXPECT_LT(furthest_in_speed, 8e-5 / Scuffle::h);
-    EXPECT_GT(acted, compared / 10) << "a hundred times as far";
+    EXPECT_GT(acted, compared / 10) << "solids move vertices a hundred times as far";
   }
 }
 
-// The bars that other rooms' tests bend are moved by their solids.
+// The solids touch the bars that other rooms' tests use.
 TEST(Collide, TheBarsThatOtherTestsBendAreTouched) {
   for (const BarOptions& bar :
        {BarOptions{.colliders = true}, BarOptions{.implicit = true, .colliders = true},
@@ -108,7 +110,7 @@ TEST(Collide, TheBarsThatOtherTestsBendAreTouched) {
     std::size_t moved = 0;
     for (std::size_t k = 0; k < a.size(); ++k) {
       moved += std::abs(a[k] - b[k]) > 1e-3f;
-      EXPECT_LT(std::abs(a[k]), 2.0f) << "it stays in one piece";
+      EXPECT_LT(std::abs(a[k]), 2.0f) << "the bar stays in one piece";
     }
     EXPECT_GT(moved, a.size() / 4);
   }
@@ -157,7 +159,7 @@ TEST(Collide, LanesThreadsProbesAndSavingHaveTheScalarBits) {
   }
 }
 
-// Solids that touch nothing change no bit.
+// Solids that touch nothing do not change a bit.
 TEST(Collide, WhereNothingTouchesNoBitChanges) {
   for (const bool implicit : {false, true}) {
     const Model without = make_bar({.skeleton = true, .implicit = implicit});
@@ -165,7 +167,7 @@ TEST(Collide, WhereNothingTouchesNoBitChanges) {
     EXPECT_NE(
         after_frames(m, *cpu_reference::make_cpu_solver(m, options_of(m), 1), 1, 4, false),
         after_frames(without, *cpu_reference::make_cpu_solver(without, options_of(without), 1), 1, 4, false))
-        << "the control";
+        << "the control: solids that do touch";
     m.spared.assign(m.vertex_count, ~0u);
     EXPECT_EQ(
         after_frames(m, *cpu_reference::make_cpu_solver(m, options_of(m), 1), 1, 4, false),

@@ -1,6 +1,6 @@
-// What CpuSolver rejects before the kernel, the kernel leaves alone: the marked vertices' bits against those
-// of the kernel on every vertex, as a GPU runs it, over random shapes, motions and ways, and at the ends of
-// what a float holds.
+// What CpuSolver rejects before the kernel, the kernel would leave unchanged. Compares the bits after the
+// kernel on marked vertices with those after the kernel on every vertex, as a GPU runs it, over random
+// shapes, motions and paths, up to the limits of floats.
 #include "cpu_reference/solver/collide_reach.h"
 
 #include <cstring>
@@ -20,7 +20,7 @@ class Random {
   double between(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
-  // Of one size as often as of another.
+  // Uniform on a logarithmic scale.
   double size_between(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
   bool once_in(int times) { return std::uniform_int_distribution<int>(1, times)(engine_) == 1; }
   Vector3d direction() {
@@ -33,8 +33,8 @@ class Random {
   std::mt19937 engine_;
 };
 
-// Vertices on ways near solids. `far`: how far from the origin all of it is; nothing else in a case depends
-// on it but the rounding.
+// Vertices on paths near solids. `far` is the distance of the whole scene from the origin; it affects only
+// rounding.
 struct Case {
   Case(unsigned seed, bool implicit, double far) : random(seed) {
     model.vertex_count = vertices;
@@ -63,7 +63,7 @@ struct Case {
     in.responses = responses;
   }
 
-  // A solid that stands, moves slowly, goes its own length or jumps, and turns likewise.
+  // A solid that stands still, moves slowly, moves by its own size or jumps, and rotates likewise.
   void add_solid(const Vector3d& place, double h) {
     const Solid::Shape shapes[] = {Solid::plane, Solid::sphere, Solid::capsule, Solid::box};
     Solid at = random_solid(shapes[random.engine()() % 4], random.engine());
@@ -79,8 +79,8 @@ struct Case {
     colliders.push_back(collider(before, at, random.once_in(3) ? 0.0 : random.between(0.0, 2.0), h));
   }
 
-  // From a place about a solid's surface as it was, over a way that is about as long as the distance from
-  // there, the turn of the solid left out or taken along.
+  // A path from a point around a solid's earlier surface, about as long as its distance from it, with or
+  // without following the solid's rotation.
   void add_way(std::uint32_t i, double h) {
     const std::size_t k = random.engine()() % ats.size();
     const Solid& before = befores[k];
@@ -107,7 +107,7 @@ struct Case {
     const float to_goal = float(random.once_in(4) ? 1.0 : random.between(0.0, 1.0));
     responses.push_back({});
     responses.back().to_goal = to_goal;
-    // The position, or y + to_goal (goal - y), is what goes there.
+    // The moving point is either the position or y + to_goal (goal - y).
     const Vector3d y = start + length * random.between(0.0, 1.0) * random.direction();
     put(fields.predicted, cpu::vector_stride, i, y);
     put(fields.goals, cpu::vector_stride, i, y + (end - y) / std::max(0.05, double(to_goal)));
@@ -118,7 +118,7 @@ struct Case {
     for (int a = 0; a < 3; ++a) to[stride * i + std::size_t(a)] = float(p[a]);
   }
 
-  // A number that no place should be, in a random one.
+  // Puts a number that is no valid coordinate at a random place.
   void spoil() {
     const float odd[] = {std::numeric_limits<float>::quiet_NaN(),
                          std::numeric_limits<float>::infinity(),
@@ -171,7 +171,7 @@ bool same(const cpu::Fields& a, const cpu::Fields& b, std::uint32_t i) {
 
 using Shrink = std::function<void(cpu::ColliderReach&, const shader::Collider&)>;
 
-// Either stage over all vertices of a case, by marks and without.
+// Runs either stage over all vertices of a case, with and without marks.
 void compare(Case& one, bool obstructs, const Shrink& shrink, Difference& sum) {
   std::vector<cpu::ColliderReach> reaches = cpu::reaches_of(one.colliders);
   for (std::size_t k = 0; k < reaches.size(); ++k) shrink(reaches[k], one.colliders[k]);
@@ -203,7 +203,7 @@ TEST(CollideReach, MarksDecideNoBit) {
   for (const double far : {0.0, 1.0, 30.0, 1e3, 1e5, 1e7}) {
     const Difference d = compared(1000, far, false);
     EXPECT_EQ(d.differ, 0u) << far;
-    // Both happen, so that the comparison is one.
+    // Both outcomes must occur, or the comparison is empty.
     EXPECT_GT(d.acted, d.vertices / 10) << far;
     EXPECT_LT(d.acted, d.vertices * 9 / 10) << far;
   }
@@ -213,7 +213,7 @@ TEST(CollideReach, WhatIsNoPlaceIsLeftToTheKernel) {
   for (const double far : {0.0, 1e3}) EXPECT_EQ(compared(1000, far, true).differ, 0u) << far;
 }
 
-// The control: what is a few times too small is seen, of each part of the bound.
+// The controls: shrinking any part of the bound by a few times is detected.
 TEST(CollideReach, SmallerMarksAreSeen) {
   const auto seen = [](double far, const Shrink& shrink) {
     return compared(1000, far, false, shrink).differ;
@@ -228,7 +228,7 @@ TEST(CollideReach, SmallerMarksAreSeen) {
             with_turning + 100);
   EXPECT_GT(seen(0.0, [](cpu::ColliderReach& r, auto&) { r.height += 0.1f; }), 0u);
   EXPECT_GT(seen(0.0, [](cpu::ColliderReach& r, auto&) { r.bit <<= 1; }), 0u);
-  // Far away rounding moves a vertex by more than the spare that is enough near the origin.
+  // Far from the origin, rounding moves a vertex by more than the slack that suffices near it.
   const Shrink without_share = [](cpu::ColliderReach& r, const shader::Collider& c) {
     const float far = std::hypot(c.xt, c.yt, c.zt) + c.radius;
     const float reach = std::sqrt(r.reach / 3.0f) - 1e-5f * far,
@@ -240,7 +240,7 @@ TEST(CollideReach, SmallerMarksAreSeen) {
   EXPECT_GT(seen(1e6, without_share), 20u);
 }
 
-// Most of what no solid touches is rejected: it is for that that there are marks.
+// Vertices that touch no solid are mostly rejected, which is the purpose of the marks.
 TEST(CollideReach, WhatIsFarIsRejected) {
   Case one(1, false, 0.0);
   const float place[] = {30.0f, 40.0f, 50.0f};

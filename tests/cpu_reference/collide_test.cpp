@@ -1,12 +1,12 @@
-// Flesh does not enter solids: closed forms of one vertex against planes, spheres, capsules and boxes that
-// stand, move and turn, by the Oracle and by CpuSolver, explicit and implicit.
+// Flesh does not enter solids. Closed forms for one vertex and planes, spheres, capsules and boxes that stand
+// still, move and rotate, in the Oracle and in CpuSolver, explicit and implicit.
 #include "tests/cpu_reference/collide_models.h"
 
 namespace fascicle::tests {
 
 namespace {
 
-// Restitution 0: once it has come down it stays there.
+// Restitution is 0: after landing it stays.
 TEST(Collide, WhatFallsOnAPlaneStaysOnIt) {
   for_each_way([](const Way& way) {
     for (const double thickness : {0.0, 0.0625})
@@ -25,7 +25,7 @@ TEST(Collide, WhatFallsOnAPlaneStaysOnIt) {
         }
         EXPECT_TRUE(has_landed);
         EXPECT_LT(highest, near_surface) << fps;
-        // A place's rounding, over h.
+        // The rounding of a position, over h.
         EXPECT_LT(fastest, near_surface * fps) << fps;
       }
   });
@@ -53,15 +53,15 @@ TEST(Collide, WhatIsSteeperThanFrictionSlidesAndTheRestSticks) {
           EXPECT_NEAR(mass.v.norm(), pull * mass.time, 0.01 * pull * mass.time);
           EXPECT_LT(mass.v.y(), 0.0);
         } else {
-          // 240 roundings of a coordinate of a hundredth, all to the same side.
+          // 240 roundings of a coordinate of about 0.01, all with the same sign.
           EXPECT_LT(mass.q.norm(), 240 * 0x1p-30 + near_surface);
         }
       }
   });
 }
 
-// Shot at its middle from a random side, a vertex ends at the surface: friction takes off all of its sliding.
-// It then stands where it began as seen along the normal, off a round surface by (way)^2 / 2 radius at most.
+// A vertex shot at a solid's centre from a random side ends on the surface, as friction stops all sliding. It
+// stops within (path)^2 / 2 radius of a round surface, measured along the normal.
 TEST(Collide, EveryShapeHoldsWhatIsShotAtItAtItsSurface) {
   static constexpr double h = 1.0 / 480.0, speed = 1.0;
   for_each_way([](const Way& way) {
@@ -81,7 +81,7 @@ TEST(Collide, EveryShapeHoldsWhatIsShotAtItAtItsSurface) {
   });
 }
 
-// Shot anywhere without friction, it goes around.
+// Shot from anywhere without friction, it slides around the solid.
 TEST(Collide, NothingEntersAShapeOnItsWayAroundIt) {
   for_each_way([](const Way& way) {
     std::mt19937 random(4);
@@ -101,7 +101,7 @@ TEST(Collide, NothingEntersAShapeOnItsWayAroundIt) {
         const Vector3d speed = mass.v;
         EXPECT_GT(mass.least_distance(30), -2 * near_surface) << shape << ' ' << trial;
         touched += (mass.v - speed).norm() > 1e-3;
-        EXPECT_LT(mass.v.norm(), 3.0 * 1.0001) << "it takes no speed from what stands";
+        EXPECT_LT(mass.v.norm(), 3.0 * 1.0001) << "it gains no speed from a static solid";
       }
     EXPECT_GT(touched, 60);
   });
@@ -123,8 +123,8 @@ TEST(Collide, ARoundedCornerIsRound) {
   });
 }
 
-// At 60 frames a second, a substep a frame, 5 m/s are 83 mm a substep. Whatever side it comes from, however
-// flat its way, and wherever in a substep it meets the plate; the vertex may fly, or the plate.
+// At 60 frames a second with one substep a frame, 5 m/s are 83 mm a substep. Covers both sides, grazing
+// angles and impacts at any time within a substep; either the vertex or the plate moves.
 TEST(Collide, AThinPlateIsNotPassed) {
   static constexpr double h = 1.0 / 60.0, speed = 5.0;
   for_each_way([](const Way& way) {
@@ -137,7 +137,7 @@ TEST(Collide, AThinPlateIsNotPassed) {
             const double a = degrees * pi / 180.0;
             const Vector3d up = side * axes.col(1);
             const Vector3d flight = speed * (std::cos(a) * axes.col(0) - std::sin(a) * up);
-            // So that it meets the plate in its third substep, at another part of it in each trial.
+            // The impact is in the third substep, at another fraction of it in each trial.
             const double height = 0.0025 + (2.0 + (trial + 0.5) / 6.0) * speed * h * std::sin(a);
             const Vector3d start = height * up - axes.col(0);
             PointMass mass(
@@ -159,7 +159,7 @@ TEST(Collide, AThinPlateIsNotPassed) {
   });
 }
 
-// Without weight and speed, depth x exp(-5 t): it is lifted and gets no speed by it.
+// Without gravity and speed, the depth decays as depth x exp(-5 t): the vertex is lifted and gains no speed.
 TEST(Collide, WhatBeginsInsideIsLiftedAndNotThrown) {
   static constexpr double h = 1.0 / 240.0, depth = 0.1;
   for_each_way([](const Way& way) {
@@ -172,12 +172,12 @@ TEST(Collide, WhatBeginsInsideIsLiftedAndNotThrown) {
         if (testing::Test::HasFailure()) break;
       }
       EXPECT_GT(mass.q.y(), -depth * 1e-3);
-      EXPECT_LT(mass.q.y(), near_surface) << "it would fly on";
+      EXPECT_LT(mass.q.y(), near_surface) << "it was thrown";
     }
   });
 }
 
-// A tray that rises, goes sideways and turns about an axis aside from what lies on it.
+// A tray that rises, moves sideways and turns about an axis away from the vertex on it.
 TEST(Collide, WhatSticksGoesWithASolidThatMoves) {
   static constexpr double h = 1.0 / 240.0;
   for_each_way([](const Way& way) {
@@ -192,21 +192,21 @@ TEST(Collide, WhatSticksGoesWithASolidThatMoves) {
         return Vector3d(tray.axes.transpose() * (q - tray.center));
       };
       PointMass mass(way, tray_at, {0.125, 0.0025, 0.0}, {0, 0, 0}, h, {0, -g, 0}, 1.0);
-      for (int k = 0; k < 60; ++k) mass.step();  // until it has caught up
+      for (int k = 0; k < 60; ++k) mass.step();  // until it has the tray's speed
       const Vector3d caught = on_tray(mass.time, mass.q);
       for (int k = 0; k < 240; ++k) mass.step();
-      // 240 roundings of a coordinate of about 1/2, all to the same side.
+      // 240 roundings of a coordinate of about 1/2, all with the same sign.
       EXPECT_LT((on_tray(mass.time, mass.q) - caught).norm(), 240 * 0x1p-25 + near_surface) << spin;
       const Solid tray = tray_at(mass.time)[0];
       const Vector3d speed =
           Vector3d(0.5, 0.25, -0.25) + spin * Vector3d::UnitY().cross(Vector3d(mass.q - tray.center));
-      // The chord of a substep for its arc: spin^2 r h / 2.
+      // The chord of a substep instead of the arc: spin^2 r h / 2.
       EXPECT_LT((mass.v - speed).norm(), spin * spin * 0.15 * h + 1e-3) << spin;
     }
   });
 }
 
-// A bat of 1 m that turns at 3 1/s: it takes along what it meets and never comes through it.
+// A bat 1 m long that turns at 3 1/s pushes what it hits and is never penetrated.
 TEST(Collide, ASolidThatTurnsPushesWhatIsInItsWay) {
   static constexpr double h = 1.0 / 60.0, spin = 3.0;
   for_each_way([](const Way& way) {
@@ -243,7 +243,7 @@ TEST(Collide, ASolidThatSparesAVertexLetsItPass) {
   });
 }
 
-// Into the edge where two slopes meet.
+// Into the valley where two slopes meet.
 TEST(Collide, ACornerOfTwoPlanesHoldsWhatFallsIntoIt) {
   for_each_way([](const Way& way) {
     const auto valley = [](double) { return PointMass::Solids{slope(30.0), slope(-50.0)}; };
@@ -256,7 +256,7 @@ TEST(Collide, ACornerOfTwoPlanesHoldsWhatFallsIntoIt) {
     EXPECT_GT(deepest, -4 * near_surface);
     EXPECT_LT(mass.q.norm(), 1e-3) << mass.q.transpose();
     EXPECT_LT(mass.v.norm(), 0.05);
-    // The control: one slope alone is slid down.
+    // The control: on one slope alone it slides down.
     PointMass alone(way, slope(30.0), {0.1, 0.5, 0.0}, {0, 0, 0}, 1.0 / 240.0);
     for (int k = 0; k < 480; ++k) alone.step();
     EXPECT_GT(alone.q.norm(), 1.0);
@@ -270,7 +270,7 @@ TEST(Collide, WhatIsHeldIsNotPushedAndWhatIsNoNumberTouchesNothing) {
     mass.step();
     const State after = mass.solver->save();
     for (std::size_t k = 3; k < before.positions.size(); ++k)
-      EXPECT_EQ(after.positions[k], before.positions[k]) << "kinematic vertices lie in the floor";
+      EXPECT_EQ(after.positions[k], before.positions[k]) << "kinematic vertices may be inside the floor";
     EXPECT_NE(after.positions[1], before.positions[1]);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     mass.load({0.1, nan, 0.2}, {0, 0, 0});

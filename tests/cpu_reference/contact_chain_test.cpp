@@ -1,4 +1,4 @@
-// The chains of contact: on a GPU points join a tetrahedron's in any order, and no result may depend on it.
+// Contact chains: on a GPU points join a tetrahedron's chain in any order, and no result may depend on it.
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -18,7 +18,7 @@ namespace {
 using cpu_reference::Fields;
 using model::Model;
 
-// Two blocks, the second shrunk into a tetrahedron in the middle of the first: many points lie in one.
+// Two blocks; the second is shrunk into a tetrahedron in the middle of the first, so it contains many points.
 struct ChainCase {
   ChainCase() : blocks(make_two_blocks(4, 4, 4, 0.125, 4)), input(blocks.model, 1.0 / 600.0) {
     const Model& m = blocks.model;
@@ -38,7 +38,7 @@ struct ChainCase {
     find_plainly(m, input.in, found);
   }
 
-  // The response where the points join their chains in this order.
+  // The response if the points join their chains in this order.
   Fields joined(const std::vector<std::uint32_t>& order) const {
     const Model& m = blocks.model;
     Fields fields = found;
@@ -68,23 +68,23 @@ bool same_numbers(const cpu_reference::Floats& a, const cpu_reference::Floats& b
 
 TEST(ContactChain, NoResultDependsOnTheOrderInIt) {
   const ChainCase c;
-  ASSERT_GE(c.longest_chain(), 3u) << "no chain with an order to speak of";
+  ASSERT_GE(c.longest_chain(), 3u) << "no chain is long enough for its order to matter";
   std::vector<std::uint32_t> order(c.blocks.model.contact.size());
   std::iota(order.begin(), order.end(), 0U);
   const Fields ascending = c.joined(order);
-  EXPECT_FALSE(same_numbers(ascending.velocities, c.found.velocities)) << "no contact presses";
+  EXPECT_FALSE(same_numbers(ascending.velocities, c.found.velocities)) << "no contact pushes";
   std::mt19937 random(5);
   for (int k = 0; k < 5; ++k) {
     std::shuffle(order.begin(), order.end(), random);
     const Fields shuffled = c.joined(order);
-    EXPECT_NE(shuffled.contact_next, ascending.contact_next) << "the same chains";
+    EXPECT_NE(shuffled.contact_next, ascending.contact_next) << "the chains are the same";
     EXPECT_EQ(shuffled.contact_crowd, ascending.contact_crowd);
     EXPECT_TRUE(same_numbers(shuffled.velocities, ascending.velocities));
     EXPECT_TRUE(same_numbers(shuffled.vertices, ascending.vertices));
   }
 }
 
-// The control: a point that is left out of its chain is missed.
+// The control: a point missing from its chain is detected.
 TEST(ContactChain, APointThatIsLeftOutIsMissed) {
   const ChainCase c;
   std::vector<std::uint32_t> order(c.blocks.model.contact.size());

@@ -1,5 +1,5 @@
-// Contact in the implicit integrator, stage by stage: solver and Oracle, what an iteration does to momentum,
-// and what settling is for. What both integrators share is in contact_test.cpp.
+// Contact in the implicit integrator, stage by stage: solver against Oracle, the effect of an iteration on
+// momentum, and the purpose of settling. contact_test.cpp tests what both integrators share.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -33,8 +33,8 @@ using model::State;
 
 constexpr double h = 1.0 / 480.0;
 
-// Blocks of another stiffness (Pa) and damping (1/s) than make_two_blocks gives; where `ends_held`, the two
-// faces that are farthest apart are kinematic.
+// Blocks with other stiffness (Pa) and damping (1/s) than those of make_two_blocks. With `ends_held`, the two
+// outermost faces are kinematic.
 TwoBlocks implicit_blocks(double stiffness, double damping = 0.0, bool ends_held = false) {
   TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 3);
   Model m = without_contact(blocks.model);
@@ -71,8 +71,8 @@ std::vector<Shown> shown_by(model::Solver& solver, const State& state, const mod
   return record.shown;
 }
 
-// How far two solvers are apart in what stage contact moves in an iteration, in the places that it leaves,
-// and in what it adds to the velocities after integrate.
+// The difference between two solvers in the moves of stage contact in an iteration, in the positions after
+// it, and in its change of the velocities after integrate.
 struct Parted {
   double moves = 0.0, places = 0.0, settled = 0.0;
   double largest_move = 0.0, largest_settled = 0.0;
@@ -87,8 +87,9 @@ void compare(const std::vector<Shown>& ours, const std::vector<Shown>& theirs, P
     ASSERT_EQ(ours[k].where.stage, theirs[k].where.stage);
     ASSERT_EQ(ours[k].where.iteration, theirs[k].where.iteration);
     if (ours[k].where.stage != Stage::contact) continue;
-    // A place and a velocity a vertex, as integrate is shown; relax shows places alone. In the iterations the
-    // solver keeps y's velocity where the Oracle has the last one: no kernel of stage contact looks at it.
+    // A position and a velocity per vertex, as for integrate; relax shows only positions. During the
+    // iterations the solver stores y's velocity where the Oracle stores the last one; no kernel of stage
+    // contact reads it.
     const bool settles = ours[k - 1].where.stage == Stage::integrate;
     ASSERT_TRUE(settles || ours[k - 1].where.stage == Stage::relax);
     parted.iterations += settles ? 0 : 1;
@@ -102,19 +103,20 @@ void compare(const std::vector<Shown>& ours, const std::vector<Shown>& theirs, P
       double& largest = settles ? parted.largest_settled : parted.largest_move;
       largest = std::max(largest, size);
       const double off = (triple(ours[k], at) - triple(theirs[k], at)).norm();
-      if (!(apart <= worst)) worst = apart;  // a NaN gets in, and stays in
+      if (!(apart <= worst)) worst = apart;  // lets a NaN in and keeps it
       if (!(off <= parted.places)) parted.places = off;
     }
   }
 }
 
-// Places near 1 are rounded by 2^-25 in each coordinate, and their differences twice: 1.8e-7 with what the
-// iteration before left. Goals are off by 1.5e-6, as maps are by 4e-5 over half an edge; velocities follow
-// from a/H of that, 0.01 x 720: 1.1e-5 m/s, and the settling has those of five vertices.
+// Positions near 1 are rounded by 2^-25 per coordinate, and their differences twice: 1.8e-7 including the
+// error of the previous iteration. Goals are off by 1.5e-6, as maps are off by 4e-5 over half an edge.
+// Velocities follow from a/H times that, 0.01 x 720: 1.1e-5 m/s, and settling combines those of five
+// vertices.
 constexpr double rounded_place = 4e-7, rounded_velocity = 5e-5;
 
-// Each iteration and the settling, of the first substep and of two with history, some vertices kinematic. The
-// control: what kinematic vertices did the substep before is seen.
+// Each iteration and the settling, in the first substep and in two with history, with some kinematic
+// vertices. The control: changed velocities of kinematic vertices in the previous substep are detected.
 TEST(ContactImplicit, FollowsTheOracleInEachStage) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     const bool held = seed % 3 == 1;
@@ -150,8 +152,8 @@ TEST(ContactImplicit, FollowsTheOracleInEachStage) {
   }
 }
 
-// The same where a skeleton moves the kinematic vertices: the second block rides on a bone of its own, into
-// the first, at a metre a second, so that both sides of a contact have had a velocity.
+// The same with kinematic vertices moved by a skeleton: the second block follows its own bone into the first
+// at 1 m/s, so both sides of a contact have had a velocity.
 TEST(ContactImplicit, FollowsTheOracleAgainstWhatTheSkeletonMoves) {
   TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 4);
   Model m = without_contact(blocks.model);
@@ -190,17 +192,17 @@ TEST(ContactImplicit, FollowsTheOracleAgainstWhatTheSkeletonMoves) {
   }
 }
 
-// A vertex of a substep at work.
+// A vertex's vector in the fields of a substep.
 Vector3d vector_in(const cpu::Floats& of, std::size_t stride, std::uint32_t i) {
   const float* from = of.data() + stride * std::size_t{i};
   return Vector3d(double{from[0]}, double{from[1]}, double{from[2]});
 }
 
-// 1/w' is how hard a vertex is to move in an iteration. By it, what contacts move adds up to nothing, and
-// turns nothing about the places where the substep began, where the two sides of each were one; so do the
-// goals, by a/w'. Moves are 1e-3, and places near 1 rounded by 3e-8 of 60 vertices: 1e-5 of a move, a seventh
-// of it in their sum. Goals move by 1/a as much. The controls: masses in place of 1/w', the places where all
-// have come to since, and a corner that is not pushed back.
+// 1/w' is a vertex's resistance in an iteration. Weighted by it, the moves of contacts have no linear
+// momentum, and no angular momentum about the positions at the beginning of the substep, where the two sides
+// of each contact coincided. The same holds for the goals, weighted by a/w'. Moves are 1e-3, and positions
+// near 1 of 60 vertices are rounded by 3e-8: 1e-5 of a move, a seventh of it in their sum. Goals move by 1/a
+// as much. The controls: masses instead of 1/w', the current positions, and a corner that is not pushed back.
 TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
   const TwoBlocks blocks = implicit_blocks(1e6);
   const Model& m = blocks.model;
@@ -239,7 +241,7 @@ TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
       goal_hardness.push_back(double(answer.to_goal) * hardness.back());
       masses.push_back(m.mass[i]);
     }
-    // Of all moves by a weight each, as shares of what they are in all.
+    // The weighted sum of all moves, relative to the sum of their sizes.
     const auto sum_of = [&](const std::vector<double>& weights, const Points& of, const Points& about) {
       Momentum sum;
       double all = 0.0;
@@ -266,7 +268,7 @@ TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
   }
 }
 
-// A substep; `settles` or with the velocities that integrate left.
+// One substep. Without `settles`, velocities are those after integrate.
 ContactResponse step(model::Solver& solver, const Model& m, State& state, bool settles = true) {
   const ContactResponse response = contact_response(solver, m, state, h);
   state = solver.save();
@@ -274,9 +276,10 @@ ContactResponse step(model::Solver& solver, const Model& m, State& state, bool s
   return response;
 }
 
-// Blocks are thrown at each other by `speed` each. What first touches comes in at nearly twice that, and BDF2
-// would throw it back at more than half; settled it has a quarter of what it had, with which the history
-// leaves it at rest in the next substep. The blocks start so that what first touches is held in full.
+// Blocks are thrown at each other at `speed` each. The first contact closes at nearly twice that, and BDF2
+// alone would throw it back at more than half of it. Settling leaves a quarter of the earlier velocity, with
+// which the history brings it to rest in the next substep. The start is chosen so that the first contact is
+// held fully.
 TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
   const double speed = 0.5;
   for (const double stiffness : {1e3, 2e4, 1e6, 1e8}) {
@@ -309,21 +312,21 @@ TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
       }
     }
     ASSERT_TRUE(first_is_held_in_full());
-    // Along n, how fast the first found leaves the place that it is in.
+    // The velocity, along n, at which the first contact separates.
     const auto leaving = [&](const Points& v) {
       Vector3d u = v[m.contact[pairs[0].point].vertex];
       for (int k = 0; k < 4; ++k) u -= pairs[0].weights[k] * v[pairs[0].corners[std::size_t(k)]];
       return u.dot(pairs[0].normal);
     };
     EXPECT_LT(leaving(before), -1.8 * speed);
-    EXPECT_GT(leaving(points_in(response.before.velocities)), speed) << "the control";
+    EXPECT_GT(leaving(points_in(response.before.velocities)), speed) << "the control: without settling";
     EXPECT_NEAR(leaving(points_in(response.after.velocities)), leaving(before) / 4.0, 1e-3 * speed);
   }
 }
 
-// Damped blocks whose far ends are held nearer to each other than they are long: 2 s later nothing moves by
-// 0.2 mm/s, where 0.03 mm/s was measured, and one lies hardly in the other. The control: without contact they
-// lie 3 cm deep.
+// Damped blocks whose outer ends are held closer together than the blocks are long. After 2 s nothing moves
+// faster than 0.2 mm/s (measured 0.03 mm/s), and they hardly overlap. The control: without contact they
+// overlap by 3 cm.
 TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const TwoBlocks blocks = implicit_blocks(2e4, 20.0, true);
   const Model& m = blocks.model;
@@ -339,12 +342,13 @@ TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const auto deepest = [&](const State& state) { return model::OverlapMeter(m).of(state.positions).deepest; };
   const State at_rest = end_of(m);
   EXPECT_LT(fastest(at_rest), 2e-4);
-  EXPECT_FALSE(cpu::Contacts(m).found_at(points_in(at_rest.positions)).empty()) << "nothing is pressed";
-  // What presses lies no deeper than where it is held in full.
+  EXPECT_FALSE(cpu::Contacts(m).found_at(points_in(at_rest.positions)).empty()) << "nothing is in contact";
+  // The overlap is at most the depth at which contacts are held fully.
   EXPECT_LT(deepest(at_rest), double(m.contact[0].margin) / 32.0);
-  EXPECT_GT(deepest(end_of(without_contact(m))), 3.0 * double(m.contact[0].margin) / 32.0) << "the control";
-  // Held in full from nearly the first depth on, what presses lightly ends and begins by turns. Settled it
-  // rests at 0.6 mm/s. The control: with the velocities that integrate left it trembles at 6 cm/s.
+  EXPECT_GT(deepest(end_of(without_contact(m))), 3.0 * double(m.contact[0].margin) / 32.0)
+      << "the control: without contact";
+  // If contacts are held fully from almost zero depth, light ones switch on and off. With settling they rest
+  // at 0.6 mm/s. The control: with the velocities after integrate they tremble at 6 cm/s.
   Model sharp = m;
   for (shader::ContactPoint& point : sharp.contact) point.margin *= 0x1p-10f;
   EXPECT_LT(fastest(end_of(sharp)), 2e-3);

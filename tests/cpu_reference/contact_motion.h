@@ -1,4 +1,4 @@
-// What the tests of contact ask of a body's motion.
+// Measures of a body's motion for the contact tests.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ inline Momentum momentum_of(const model::Model& m, const Points& places, const P
   return sum;
 }
 
-// Towards each other along x, 8 mm apart.
+// The blocks moving towards each other along x, 8 mm apart.
 inline model::State thrown(const TwoBlocks& blocks, model::State state, double speed) {
   float most = -2.0f, least = 2.0f;
   for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i) {

@@ -1,5 +1,5 @@
-// The search for contacts against its plain form, and both against a look at all tetrahedra: the same
-// contacts and the same bits, however the body moves and from whatever the search remembers.
+// The search for contacts against its plain form, and both against an exhaustive search: the same contacts
+// and the same bits, however the body moves and whatever the search remembers.
 #include "cpu_reference/solver/contact_search.h"
 
 #include <algorithm>
@@ -35,8 +35,8 @@ using model::Model;
 
 constexpr double step_length = 1.0 / 480.0;
 
-// What a substep has of the response, two passes or three iterations of it: calls over_points and
-// over_vertices in turn.
+// The response of a substep, in two passes or three iterations: calls over_points and over_vertices
+// alternately.
 template <class OverPoints, class OverVertices>
 void respond(const Model& m, const OverPoints& over_points, const OverVertices& over_vertices) {
   using model::Kernel;
@@ -62,7 +62,7 @@ void respond_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
   respond(m, over(static_cast<std::uint32_t>(m.contact.size())), over(m.vertex_count));
 }
 
-// The first of all tetrahedra that each point meets.
+// The first tetrahedron that each point meets, by exhaustive search.
 std::vector<std::uint32_t> found_among_all(const Model& m, Fields fields) {
   std::vector<std::uint32_t> found(m.contact.size(), shader::no_contact);
   const auto place_of = [&](std::uint32_t i) { return cpu::position_of(fields, i); };
@@ -78,7 +78,7 @@ bool same_bits(const float* a, const float* b, std::size_t count) {
   });
 }
 
-// What differs first, or nothing.
+// Describes the first difference; empty if there is none.
 std::string contact_difference(const Model& m, const Fields& a, const Fields& b) {
   for (std::size_t p = 0; p < m.contact.size(); ++p) {
     if (a.contact_found[p] != b.contact_found[p])
@@ -113,14 +113,14 @@ void put(const Model& m, const std::vector<float>& positions, const std::vector<
     }
 }
 
-// What else becomes of a body that is thrown about.
+// What else happens to a body that is thrown about.
 struct Fate {
-  std::array<double, 3> thickness{1.0, 1.0, 1.0};  // flakes and needles, in a direction of their own
-  bool turns = false;  // goes through no thickness at all, and is inside out for as long
-  double fall = 0.0;   // what it gains in speed along each axis, a step
+  std::array<double, 3> thickness{1.0, 1.0, 1.0};  // flakes and needles, in a skew direction
+  bool turns = false;  // passes through zero thickness and is inside out half of the time
+  double fall = 0.0;   // gain of speed along each axis per step
 };
 
-// A body that is thrown about, step by step.
+// A body that is thrown about step by step.
 class Motions {
  public:
   Motions(const TwoBlocks& blocks, unsigned seed, const Fate& fate)
@@ -133,7 +133,7 @@ class Motions {
 
   void next() {
     const double s = blocks_.spacing;
-    // Mostly it trembles; at times it swings, and at times it is elsewhere at once.
+    // It mostly trembles, sometimes swings, and sometimes jumps.
     const double reach = step_ % 17 == 16 ? 1.5 : step_ % 7 == 6 ? 0.4 : 0.01;
     along_ = std::clamp(along_ + reach * s * normal(), -1.0 - s, -1.0 + 2.5 * s);
     aside_ = std::clamp(aside_ + reach * s * normal(), -s, s);
@@ -143,7 +143,7 @@ class Motions {
     for (std::size_t k = 0; k < positions.size(); ++k) {
       double x = double{positions[k]} + bent_[k];
       if (k >= 3 * std::size_t{blocks_.first_of_second}) x += k % 3 == 0 ? along_ : aside_;
-      // Points upon corners, edges and faces, corners upon each other and tetrahedra without volume.
+      // Creates points on corners, edges and faces, coincident corners, and tetrahedra without volume.
       if (step_ % 5 == 3) x = std::round(x * 2.0 / s) * s / 2.0;
       positions[k] = static_cast<float>(x);
       velocities[k] = static_cast<float>(normal());
@@ -154,7 +154,7 @@ class Motions {
     if (step_ % 11 == 9) velocities[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
     // Flat as paper.
     for (std::size_t k = 2; step_ % 13 == 7 && k < positions.size(); k += 3) positions[k] = 0.125f;
-    // A vertex that stands where others do.
+    // Vertices that coincide with others.
     for (int pair = 0; step_ % 3 == 1 && pair < 10; ++pair) {
       const std::size_t from = 3 * (random_() % blocks_.model.vertex_count),
                         to = 3 * (random_() % blocks_.model.vertex_count);
@@ -187,7 +187,7 @@ class Motions {
   int step_ = 0;
 };
 
-// Some points meet from the beginning what is beside them.
+// Some points may meet their neighbours from the start.
 void let_neighbours_meet(Model& m) {
   for (std::uint32_t p = 0; p < m.contact.size(); p += 4) {
     std::vector<std::uint32_t> near;
@@ -266,7 +266,7 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
     }
 }
 
-// What is kept holds for models that differ in nothing that it follows from, and for no others.
+// The cache is valid for models with the same inputs, and for no others.
 TEST(ContactSearch, WhatIsKeptIsOfTheModelAtHand) {
   Model m = make_two_blocks(3, 3, 2, 0.125, 1).model;
   cpu::ContactRestMemory memory;
@@ -294,7 +294,7 @@ TEST(ContactSearch, WhatIsKeptIsOfTheModelAtHand) {
   EXPECT_TRUE(is_kept());
 }
 
-// As many as the scene lets them find: fewer than without, and not none.
+// Fewer contacts than without groups, but some.
 TEST(ContactSearch, FindsNothingThatIsIgnored) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     TwoBlocks blocks =
@@ -306,7 +306,7 @@ TEST(ContactSearch, FindsNothingThatIsIgnored) {
     const std::size_t some = expect_same_contacts(blocks, steps, seed).contacts;
     EXPECT_GT(some, all / 8);
     EXPECT_LT(some, 7 * all / 8);
-    // Every leaf as a whole by every block.
+    // Every block ignores every leaf as a whole.
     blocks.model.contact_ignored.assign(blocks.model.contact.size(), 4);
     blocks.model.contact_group.assign(blocks.model.contact_tetrahedron_count(), 6);
     add_group_depths(blocks.model);
@@ -314,7 +314,7 @@ TEST(ContactSearch, FindsNothingThatIsIgnored) {
   }
 }
 
-// Planes of such tetrahedra are rounding, and a hundredth of a millimetre is far there.
+// The planes of such tetrahedra are mostly rounding, and a hundredth of a millimetre is far on their scale.
 TEST(ContactSearch, FindsThemInFlakesAndNeedles) {
   unsigned seed = 0;
   for (const double thickness : {0.1, 1e-3, 1e-4, 1e-6})
@@ -328,7 +328,7 @@ TEST(ContactSearch, FindsThemInFlakesAndNeedles) {
       }
 }
 
-// 15 units a step in the end, and 600 from where it began: the last bit of a place is 6e-5.
+// At the end it moves 15 units a step, 600 from its start, where the last bit of a coordinate is 6e-5.
 TEST(ContactSearch, FindsThemInABodyThatFalls) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     const TwoBlocks blocks = make_two_blocks(3, 3, 2, 0.125, seed, seed % 2 == 1);
@@ -344,11 +344,11 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFindInLargerBodies) {
   EXPECT_GT(expect_same_contacts(blocks, 40, 5).most, 10u);
 }
 
-// Points and a tetrahedron that move, as the search's lanes see them.
+// Moving points and a tetrahedron, as the lanes of the search see them.
 class Approaching {
  public:
   explicit Approaching(unsigned seed) : random_(seed) {
-    // All sizes, near the origin and far from it, drifting fast or hardly; a tetrahedron may be a point.
+    // All sizes, near the origin and far from it, drifting fast or slowly; the tetrahedron may be a point.
     const double size = std::pow(10.0, uniform(-3, 2)), thick = size * std::pow(10.0, uniform(-6, 0));
     const double away = uniform(0, 1) < 0.5 ? 0.0 : std::pow(10.0, uniform(-1, 3));
     speed_ = size * std::pow(10.0, uniform(-4, 0));
@@ -360,7 +360,7 @@ class Approaching {
 
   void move() {
     before = now;
-    // The tetrahedron goes one way, the points the other, along an axis or across.
+    // The tetrahedron moves one way and the points the other, along an axis or diagonally.
     for (std::size_t i = 0; i < vertices; ++i)
       for (std::size_t a = 0; a < 3; ++a) {
         const double by = (i < 4 ? 1.0 : -1.0) * drift_[a] * (uniform(0, 1) < 0.9 ? 1.0 : uniform(-1, 1));
@@ -368,7 +368,7 @@ class Approaching {
       }
   }
 
-  // Of the nearest point, along the axis along which it is farthest from the tetrahedron's box.
+  // The distance of the nearest point from the tetrahedron's box, along the axis on which it is largest.
   long double apart() const {
     long double nearest = std::numeric_limits<long double>::infinity();
     for (std::size_t p = 4; p < vertices; ++p) {
@@ -408,7 +408,7 @@ cpu::ContactBounds bounds_of(const cpu::ContactLanes& lanes, const Approaching& 
   return bounds;
 }
 
-// What a look says, taken up to 16 bits.
+// The distance returned by a look; checks its 16-bit form too.
 float look_at(const cpu::ContactLanes& lanes, const Approaching& body) {
   std::array<float, 3 * cpu::contact_points_together> points{};
   points.fill(std::numeric_limits<float>::infinity());
@@ -435,8 +435,8 @@ float look_at(const cpu::ContactLanes& lanes, const Approaching& body) {
   return look.nearest;
 }
 
-// Whatever moves, what is left of a distance is no more than the distance. A tetrahedron may be a place and
-// go straight for the points: then all that keeps the search right is how it rounds.
+// The remaining distance is never overestimated, whatever moves. A tetrahedron may be a single point and head
+// straight for the points; then only the direction of rounding keeps the search correct.
 TEST(ContactSearch, DistancesAreNeverTakenForMoreThanTheyAre) {
   for (const cpu::Simd simd : cpu::available_simd()) {
     if (simd == cpu::Simd::scalar) continue;
@@ -500,7 +500,7 @@ struct Touching {
   Fields found, fields;  // before the response and after it
 };
 
-// The controls: one contact less, and one bit, are seen.
+// The controls: one missing contact, and one changed bit, are detected.
 TEST(ContactSearch, ADroppedContactWouldBeSeen) {
   const Touching t;
   Fields dropped = t.fields;
@@ -517,8 +517,8 @@ TEST(ContactSearch, ADroppedContactWouldBeSeen) {
   EXPECT_NE(contact_difference(t.blocks.model, t.fields, bent), "");
 }
 
-// The response to the contacts that were found, added up in one order for all vertices: the own contact,
-// then by tetrahedron, then by point; or all of that backwards.
+// The response to the contacts found, summed in the same order for all vertices: first the own contact, then
+// by tetrahedron, then by point; or all of it backwards.
 Fields added_up(const Touching& t, bool backwards) {
   const Model& m = t.blocks.model;
   Fields fields = t.found;

@@ -1,6 +1,6 @@
-// Contact: flesh that lies in other flesh. The Oracle against numbers by hand, the solver against the Oracle;
-// a free body pushes and turns itself by nothing and does the same wherever it stands and however it is
-// numbered; blocks that meet do not pass through each other.
+// Contact: flesh that overlaps other flesh. The Oracle is compared with numbers computed by hand, and the
+// solver with the Oracle. A free body exerts no net force or torque on itself, and does the same wherever it
+// is and however it is numbered. Blocks that meet do not pass through each other.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -31,8 +31,8 @@ using Eigen::Vector3d;
 using model::Model;
 using model::State;
 
-// A regular tetrahedron 0 1 2 3 with corners (1,1,1) ... / 4 around (-1/2, 0, 0), corner 0 a quarter deep,
-// the others on the surface; and beside it another, 4 5 6 7, far away at rest.
+// A regular tetrahedron 0 1 2 3 with corners (1,1,1) ... / 4 around (-1/2, 0, 0), corner 0 a quarter deep and
+// the others on the surface. Another one, 4 5 6 7, is far away at rest.
 struct PointInTetrahedron {
   explicit PointInTetrahedron(bool implicit) {
     Mesh mesh = regular_tetrahedron();
@@ -49,8 +49,8 @@ struct PointInTetrahedron {
     add_contact(model, 0.125, [](std::uint32_t i) { return i == 0 ? 0.25 : 0.0; });
   }
 
-  // Vertex 4 comes to the middle of the tetrahedron, with velocity v against it. Implicit: with the other
-  // three, whose flesh would draw it back out within the substep.
+  // Moves vertex 4 to the centre of the tetrahedron, with velocity v. If implicit, moves the other three as
+  // well, as their flesh would pull it out again within the substep.
   State meeting(const Vector3d& v) const {
     State state = make_cpu_solver(model, contact_options(model), 1)->save();
     const Vector3d shift = Vector3d(-0.5, 0, 0) - triple_at(state.positions, 4);
@@ -66,9 +66,9 @@ struct PointInTetrahedron {
   Model model;
 };
 
-// By hand. The weights are 1/4 each, the gradient of the first is (1,1,1): g = (1,1,1) / 4, |g|^2 = 3/16, the
-// depth p = 1/16. d = -p g has the length sqrt(3)/64, n = -(1,1,1)/sqrt(3). No vertex is in more than two
-// contacts: 1/k = 2 (1/2) + 4 (1/4) 2 = 3.
+// By hand: the weights are 1/4 each and the gradient of the first is (1,1,1), so g = (1,1,1) / 4, |g|^2 =
+// 3/16, and the depth p = 1/16. d = -p g has length sqrt(3)/64, and n = -(1,1,1)/sqrt(3). No vertex is in
+// more than two contacts: 1/k = 2 (1/2) + 4 (1/4) 2 = 3.
 TEST(Contact, IsWhatAHandComputes) {
   const Vector3d n = -Vector3d(1, 1, 1).normalized(), aside = Vector3d(1, -1, 0).normalized();
   for (const bool implicit : {false, true}) {
@@ -89,7 +89,7 @@ TEST(Contact, IsWhatAHandComputes) {
         EXPECT_LT((pairs[0].normal - n).norm(), 1e-6);
 
         const double pushed = std::max(0.0, std::sqrt(3.0) / 64.0 / c.h + approach);
-        // Coulomb's 1/2 of the push, or all that slides.
+        // Coulomb's 1/2 of the push, or all of the sliding.
         const double rubbed = std::min(0.5 * pushed, sliding);
         at_the_limit += rubbed < sliding ? 1 : 0;
         const Vector3d impulse = (pushed * n - rubbed * aside) / 3.0;
@@ -99,7 +99,7 @@ TEST(Contact, IsWhatAHandComputes) {
         EXPECT_LT(largest_distance(contacts.velocity_gains(pairs, v, c.h), expected), 1e-6);
 
         if (implicit) continue;
-        // The solver's passes answer to the velocities that the other stages left.
+        // The solver's passes start from the velocities after the other stages.
         const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
         const ContactResponse response = contact_response(*solver, c.model, state, c.h);
         Points x = points_in(response.before.positions), u = points_in(response.before.velocities);
@@ -117,9 +117,9 @@ TEST(Contact, IsWhatAHandComputes) {
   }
 }
 
-// By hand, as above. Vertex 4 gives way half as easily as the others: the load is 1/2 + 4 (1/4) = 3/2, and
-// half of the depth sqrt(3)/64 is asked for, or 180 H of it in a short step, beside what the point has gone
-// the other way. A depth of a fourth of a 32nd of the margin is held by a fourth.
+// By hand, as above. Vertex 4 yields half as easily as the others: the load is 1/2 + 4 (1/4) = 3/2. Half of
+// the depth sqrt(3)/64 is corrected, or 180 H of it in a short step, plus the distance the point has moved
+// inwards. A depth of a fourth of a 32nd of the margin is held by a fourth.
 TEST(Contact, HoldsAndSettlesAsAHandComputes) {
   const Vector3d n = -Vector3d(1, 1, 1).normalized(), aside = Vector3d(1, -1, 0).normalized();
   PointInTetrahedron c(true);
@@ -151,12 +151,12 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
         }
   c.model.contact[pairs[0].point].margin = margin;
 
-  // 1/4 of the velocity before, with a history of 1/3; the sliding stays. Vertex 4 has twice the
-  // mass, and no other contact shares the five: 1/2 + 4 (1/4) (1/4) = 3/4.
+  // 1/4 of the velocity before, with a history of 1/3; sliding is unchanged. Vertex 4 has twice the mass, and
+  // no other contact involves the five vertices: 1/2 + 4 (1/4) (1/4) = 3/4.
   Points v(8, Vector3d::Zero()), before(8, Vector3d::Zero());
   v[4] = 0.5 * n + aside;
   before[4] = -2.0 * n;
-  EXPECT_EQ(largest_in(contacts.settling_gains(pairs, v, before, 1.0 / 3.0)), 0.0) << "it does not press";
+  EXPECT_EQ(largest_in(contacts.settling_gains(pairs, v, before, 1.0 / 3.0)), 0.0) << "it does not push";
   moved[4].setZero();
   contacts.held_moves(pairs, moved, yielding, 0.01);
   EXPECT_LT(
@@ -166,8 +166,8 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
             1e-6);
 }
 
-// The restitution of a lone contact is 0: it is left at rest, or as the history needs it to be so. The
-// control: without the last stage the integrator throws it back.
+// A single contact has restitution 0: it ends at rest, or with the velocity that the history turns into rest.
+// The control: without the last stage the integrator throws it back.
 TEST(Contact, WhatPressesIsLeftAtRest) {
   const PointInTetrahedron c(true);
   const Vector3d n = -Vector3d(1, 1, 1).normalized();
@@ -181,16 +181,16 @@ TEST(Contact, WhatPressesIsLeftAtRest) {
   for (const double history : {0.0, 1.0 / 3.0}) {
     const ContactResponse response = contact_response(*solver, c.model, state, h);
     EXPECT_GT(std::abs(approach(response.before.velocities)), 0.1) << history;
-    // Weights are rounded as `rounding` says, and a metre a second is left of some.
+    // Weights have the error `rounding`, and velocities are about a metre a second.
     EXPECT_NEAR(approach(response.after.velocities), history / (1.0 + history) * approach(state.velocities),
                 1e-4);
-    EXPECT_EQ(response.after.positions, response.before.positions) << "velocities alone";
+    EXPECT_EQ(response.after.positions, response.before.positions) << "only velocities change";
     state = solver->save();
   }
 }
 
-// What is near at rest does not meet, unless it is across a gap; then from the allowance on. What moves with
-// the skeleton on both sides does not.
+// Flesh that is near at rest does not meet, unless it is across a gap; then it meets beyond the allowance.
+// Flesh that moves with the skeleton on both sides does not meet.
 TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   PointInTetrahedron c(false);
   const Points q = points_in(c.meeting(Vector3d::Zero()).positions);
@@ -207,7 +207,7 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   add_gap(c.model, 4, {0, 1, 2, 3}, 0.03125f);
   ASSERT_EQ(pairs().size(), 1u);
   EXPECT_TRUE(is_pressed());
-  EXPECT_NEAR(pairs()[0].push.norm(), std::sqrt(3.0) / 4.0 / 32.0, 1e-6) << "half as deep";
+  EXPECT_NEAR(pairs()[0].push.norm(), std::sqrt(3.0) / 4.0 / 32.0, 1e-6) << "allowance not subtracted";
   c.model.contact[4].allowance = 0.125f;
   EXPECT_EQ(pairs()[0].push.norm(), 0.0);
   c.model.contact_near = {{0, 3}};
@@ -221,9 +221,9 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   EXPECT_FALSE(is_pressed());
 }
 
-// Three corners are held, the fourth bears a 64th of the contact, and what comes in is a million times as
-// heavy. To bring the place to rest the fourth would need 64 times the speed: settling gives it four times at
-// most. Each of the iterations moves it by no more than what it takes out of the depth, which is 180 H of it.
+// Three corners are held, the fourth bears a 64th of the contact, and the incoming mass is a million times as
+// heavy. To bring the contact to rest, the fourth would need 64 times the speed; settling gives it at most
+// four times. Each iteration moves it by no more than its correction of the depth, 180 H of it.
 TEST(Contact, DoesNotThrowACornerThatBearsLittleOfIt) {
   PointInTetrahedron c(true);
   for (std::uint32_t i = 4; i < 8; ++i) c.model.mass[i] = 1e6;
@@ -249,11 +249,11 @@ TEST(Contact, DoesNotThrowACornerThatBearsLittleOfIt) {
   solver->collect();
   const double thrown = points_in(solver->save().velocities)[0].norm();
   const double depth = share * 0.25, iterations = contact_options(c.model).iterations;
-  EXPECT_GT(thrown, speed) << "it was pushed";
+  EXPECT_GT(thrown, speed) << "the corner was pushed";
   EXPECT_LT(thrown, 4.0 * speed + iterations * 180.0 * depth);
 }
 
-// A point of a group meets nothing of the groups that it ignores; of others it does, and without groups.
+// A point does not meet the groups that it ignores. It meets other groups, and flesh without a group.
 TEST(Contact, DoesNotMeetWhatItIgnores) {
   for (const bool implicit : {false, true}) {
     PointInTetrahedron c(implicit);
@@ -274,15 +274,15 @@ TEST(Contact, DoesNotMeetWhatItIgnores) {
     add_group_depths(c.model);
     EXPECT_FALSE(is_met());
     c.model.contact_ignored[4] = 0;
-    EXPECT_TRUE(is_met()) << "the others do not matter";
+    EXPECT_TRUE(is_met()) << "only this point's groups matter";
     c.model.contact_ignored[4] = 1;
     EXPECT_FALSE(is_met());
     c.model.contact_group[0] = 4u;
-    EXPECT_TRUE(is_met()) << "of another group";
+    EXPECT_TRUE(is_met()) << "the tetrahedron is in another group";
   }
 }
 
-// A point that ignores groups is as deep as the least of their depths says.
+// A point that ignores groups takes the least of their depths.
 TEST(Contact, IsAsDeepAsBeyondWhatItIgnores) {
   for (const bool implicit : {false, true}) {
     PointInTetrahedron c(implicit);
@@ -297,9 +297,9 @@ TEST(Contact, IsAsDeepAsBeyondWhatItIgnores) {
     c.model.contact_ignored.assign(c.model.contact.size(), 0);
     for (const float share : {0.5f, 2.0f})
       for (std::size_t i = 0; i < 8; ++i) c.model.contact_depth.push_back(share * c.model.contact_depth[i]);
-    EXPECT_EQ(push(), all) << "it ignores nothing";
+    EXPECT_EQ(push(), all) << "the point ignores nothing";
     c.model.contact_ignored[4] = 2;
-    EXPECT_EQ(push(), all) << "not deeper";
+    EXPECT_EQ(push(), all) << "a larger depth does not count";
     // Depth and its gradient are halved.
     c.model.contact_ignored[4] = 3;
     EXPECT_NEAR(push(), all / 4.0, 1e-6 * all);
@@ -316,7 +316,7 @@ TEST(Contact, TheModelsKeepTheirPromises) {
         check_model(make_bar({.ties = true, .implicit = implicit, .contact = true, .odd_vertices = true})));
 }
 
-// The bars of other rooms' tests are in contact from the first substep on, and stay in one piece.
+// The bars that other rooms' tests use are in contact from the first substep on and stay in one piece.
 TEST(Contact, BarsAreInContact) {
   for (const bool implicit : {false, true}) {
     const Model m = make_bar({.implicit = implicit, .contact = true});
@@ -337,7 +337,7 @@ TEST(Contact, BarsAreInContact) {
 }
 
 // Barycentric weights are rounded by 2^-24 x coordinate / edge = 6e-7 of the largest, and gradients by as
-// much over the height of jittered tetrahedra: 1e-4 leaves ten times that.
+// much over the height of jittered tetrahedra; 1e-4 is ten times that.
 constexpr double rounding = 1e-4;
 
 TEST(Contact, FollowsTheOracle) {
@@ -354,8 +354,8 @@ TEST(Contact, FollowsTheOracle) {
                    theirs = points_in(contact_gains(oracle, blocks.model, state, 1.0 / 480.0));
       EXPECT_LT(largest_distance(ours, theirs), rounding * largest_in(theirs));
       for (const Vector3d& a : theirs) pressed += a.norm() > 0.0 ? 1 : 0;
-      // What the iterations hold is in the places: they part by rounding, and by 0.01 and more without
-      // contact.
+      // The moves of the iterations are in the positions. They differ by rounding, but by 0.01 and more
+      // without contact.
       const auto places_of = [&](model::Solver& of) {
         return points_in(contact_response(of, blocks.model, state, 1.0 / 480.0).after.positions);
       };
@@ -364,11 +364,11 @@ TEST(Contact, FollowsTheOracle) {
   EXPECT_GT(pressed, 200u);
 }
 
-// Both impulses of a contact act at one place, where the substep began. An explicit pass leaves x - h v where
-// it is, so it changes the angular momentum by the impulses' moment there. What settles implicit velocities
-// does so about the places where the substep began; about those that it ends at, the two sides have slid by
-// each other. Weights are rounded by 2^-24 of a coordinate over an edge, gains by 2^-24 of the velocities,
-// and of these there are as many errors as contacts. The control: a corner that is not pushed back.
+// Both impulses of a contact act at one place, where the substep began. An explicit pass keeps x - h v, so it
+// changes the angular momentum by the impulses' moment there. Settling in the implicit integrator acts about
+// the positions at the substep's start; at its end the two sides have slid apart. Weights are rounded by
+// 2^-24 of a coordinate over an edge and gains by 2^-24 of the velocities, with one error per contact. The
+// control: a corner that is not pushed back.
 TEST(Contact, PushesAndTurnsABodyByNothing) {
   for (const bool implicit : {false, true}) {
     SCOPED_TRACE(implicit ? "implicit" : "explicit");
@@ -376,7 +376,7 @@ TEST(Contact, PushesAndTurnsABodyByNothing) {
     const Model& m = blocks.model;
     const double h = 1.0 / 480.0;
     const auto solver = make_cpu_solver(m, contact_options(m), 1);
-    // In the first substep the implicit integrator goes by one step, as after a cut.
+    // The first substep of the implicit integrator uses a one-step method, as after a cut.
     solver->load(overlapping(blocks, solver->save(), 2));
     TestDrive quiet = quiet_drive(m, h);
     solver->submit(quiet.get(), {});
@@ -404,10 +404,10 @@ TEST(Contact, PushesAndTurnsABodyByNothing) {
   }
 }
 
-// The two sides of a contact give way by 1/(1 - a) times their masses: where the iterations come to rest the
-// forces add up to nothing. After 20 of them a free body gains 2e-6 of the momentum that its contacts
-// exchange in a substep, as much as rounding gives one without contact. The control: a side that is not
-// pushed back.
+// The two sides of a contact yield in proportion to 1/(1 - a) times their masses; when the iterations
+// converge, the forces sum to zero. After 20 iterations a free body gains 2e-6 of the momentum that its
+// contacts exchange in a substep, as much as rounding gives it without contact. The control: a side that is
+// not pushed back.
 TEST(Contact, IterationsKeepTheMomentumOfAFreeBodyNearly) {
   const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 5, true);
   const Model alone = without_contact(blocks.model);
@@ -441,7 +441,7 @@ TEST(Contact, IterationsKeepTheMomentumOfAFreeBodyNearly) {
   }
 }
 
-// A quarter turn and a shift.
+// A quarter turn and a translation.
 TEST(Contact, DoesTheSameWhereverTheBodyStands) {
   for (const bool implicit : {false, true}) {
     const TwoBlocks blocks = make_two_blocks(3, 3, 2, 0.125, 6, implicit);
@@ -461,7 +461,7 @@ TEST(Contact, DoesTheSameWhereverTheBodyStands) {
   }
 }
 
-// Contacts of a vertex are added up in another order.
+// A vertex's contacts are summed in another order.
 TEST(Contact, NumberingMattersByRoundingOnly) {
   const Mesh mesh = two_blocks_mesh(3, 3, 3, 0.125, 7);
   const auto n = std::uint32_t(mesh.points.size());
@@ -496,7 +496,7 @@ TEST(Contact, NumberingMattersByRoundingOnly) {
   EXPECT_GT(largest_distance(ours, theirs), 0.1 * largest_in(ours)) << "nothing was renumbered";
 }
 
-// How far the second block's middle is beyond the first one's.
+// The distance of the second block's centre beyond the first one's.
 double apart(const TwoBlocks& blocks, const State& state) {
   double sum = 0.0;
   for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i)
@@ -511,7 +511,7 @@ double kinetic_energy(const Model& m, const State& state) {
   return sum;
 }
 
-// The control: without contact they change sides.
+// The control: without contact they pass through each other.
 TEST(Contact, BlocksThatMeetDoNotPassThroughEachOther) {
   for (const bool implicit : {false, true}) {
     SCOPED_TRACE(implicit ? "implicit" : "explicit");
@@ -533,9 +533,9 @@ TEST(Contact, BlocksThatMeetDoNotPassThroughEachOther) {
       return least_apart;
     };
     double energy = 0.0;
-    EXPECT_GT(end_of(blocks.model, energy), 0.25) << "of 0.38 where they touch";
-    // The push beyond a margin is the gradient of an energy in rest flesh alone; a hundredth for what is
-    // bent.
+    EXPECT_GT(end_of(blocks.model, energy), 0.25) << "0.38 is the distance at which they touch";
+    // The push beyond a margin is the gradient of an energy only in undeformed flesh; a hundredth allows for
+    // the deformation.
     EXPECT_LT(energy, 1.01);
     EXPECT_LT(end_of(without_contact(blocks.model), energy), 0.0);
   }
@@ -563,7 +563,7 @@ TEST(Contact, LanesAndThreadsHaveTheScalarBits) {
   }
 }
 
-// What a search remembers of the substeps before has no part in a State.
+// What the search remembers of earlier substeps is not part of a State.
 TEST(Contact, GoesOnFromASavedState) {
   for (const bool implicit : {false, true}) {
     const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 3, implicit);
@@ -577,7 +577,7 @@ TEST(Contact, GoesOnFromASavedState) {
     for (int k = 0; k < 10; ++k)
       for (model::Solver* solver : {whole.get(), other.get()}) solver->submit(quiet.get(), {});
     const State middle = whole->save();
-    // One that has seen nothing, and one that remembers another motion.
+    // One solver without memory, and one that remembers another motion.
     late->load(middle);
     other->load(middle);
     for (int k = 0; k < 10; ++k)
@@ -588,7 +588,7 @@ TEST(Contact, GoesOnFromASavedState) {
   }
 }
 
-// Arrays of contact alone change no bit: as long as nothing meets, the body moves as one without them.
+// Contact arrays alone change no bit: until flesh meets, the body moves as without them.
 TEST(Contact, WithoutAMeetingNothingChanges) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     Model plain = random_model(seed);

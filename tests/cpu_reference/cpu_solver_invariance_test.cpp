@@ -1,4 +1,5 @@
-// What must not change a trajectory, in float: the bodies of the Oracle's invariance tests, on CpuSolver.
+// Changes that must not affect a trajectory, in float: the bodies of the Oracle's invariance tests, on
+// CpuSolver.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,7 +21,7 @@ using model::Model;
 constexpr double h = 1.0 / 64.0;
 constexpr int steps = 100;
 
-// Positions after each step. Damping, 2 1/s, lets what rounding did a second ago fade.
+// Positions after each step. Damping of 2 1/s lets rounding errors fade within a second.
 std::vector<Points> trajectory(const Scene& scene) {
   const Model model = model_of(scene, true, 2.0);
   const auto solver = cpu_reference::make_cpu_solver(model, {}, 1);
@@ -62,17 +63,17 @@ double largest_motion(const std::vector<Points>& trajectory) {
   return largest;
 }
 
-// What rounding alone can do. A step rounds positions to half an ULP of their coordinates, d = 2^-26 m for
-// this body (0.25 m to 0.5 m), whose error h v carries on: kicks of d a step, random in sign, add up to d
-// sqrt(1 + 4 + 9 + ... + steps^2) in a body that nothing holds. `magnitude` is the largest coordinate in half
-// metres.
+// The effect of rounding alone. A step rounds positions to half an ULP of their coordinates, d = 2^-26 m for
+// this body (0.25 m to 0.5 m), and h v carries the error on. In a free body, kicks of d per step with random
+// signs add up to d sqrt(1 + 4 + 9 + ... + steps^2). `magnitude` is the largest coordinate, in units of half
+// a metre.
 double rounding_apart(double magnitude) {
   return 0x1p-26 * magnitude * std::sqrt(double{steps} * steps * steps / 3.0);
 }
 
 constexpr unsigned first_seed = 1, last_seed = 5;
 
-// Runs `compare` on free and pinned bodies, and sees that they moved by more than a tenth of their spacing
+// Runs `compare` on free and pinned bodies, and checks that they moved by more than a tenth of their spacing
 // (0.1 m).
 template <class Compare>
 void for_each_body(const Compare& compare) {
@@ -86,19 +87,19 @@ void for_each_body(const Compare& compare) {
     }
 }
 
-// Measured: 3.2e-6 of 8.6e-6 at most.
+// Measured: at most 3.2e-6 of 8.6e-6.
 TEST(CpuSolverInvariance, RotatedBodyMovesTheSame) {
   const Matrix3d R = exact_rotation();
   for_each_body([&](const Scene& scene, const std::vector<Points>& a) {
     const std::vector<Points> b = trajectory(mapped(scene, R, Vector3d::Zero()));
     EXPECT_LT(distance_from_image(a, b, R, Vector3d::Zero()), rounding_apart(1.0));
-    // The control: it is the rotated motion and no other.
+    // The control: the motion is rotated, not the same.
     EXPECT_GT(distance_from_image(a, b, Matrix3d::Identity(), Vector3d::Zero()), 0.01);
   });
 }
 
-// Coordinates up to 4 m instead of half a metre round eight times as coarsely. Measured: 3.3e-5 of 6.9e-5 at
-// most.
+// Coordinates up to 4 m instead of half a metre are rounded eight times as coarsely. Measured: at most 3.3e-5
+// of 6.9e-5.
 TEST(CpuSolverInvariance, RotatedAndMovedBodyMovesTheSame) {
   const Matrix3d R = exact_rotation();
   const Vector3d t(2, -1, 3);
@@ -107,7 +108,7 @@ TEST(CpuSolverInvariance, RotatedAndMovedBodyMovesTheSame) {
   });
 }
 
-// Exactly: rounding to nearest treats x and -x alike, and no kernel asks which side it is on.
+// Exact: rounding to nearest treats x and -x alike, and no kernel distinguishes sides.
 TEST(CpuSolverInvariance, MirroredBodyMovesMirroredToTheBit) {
   for (const Vector3d& signs : {Vector3d(-1, 1, 1), Vector3d(1, -1, 1), Vector3d(1, 1, -1)}) {
     const Matrix3d mirror = signs.asDiagonal();
@@ -119,8 +120,8 @@ TEST(CpuSolverInvariance, MirroredBodyMovesMirroredToTheBit) {
   }
 }
 
-// Sums run in another order, so bits differ (the numbering is part of a Model) and rounding bounds by how
-// much. Measured: 2.1e-6 of 8.6e-6 at most.
+// Sums run in another order, so bits differ (the numbering is part of a Model) by no more than rounding.
+// Measured: at most 2.1e-6 of 8.6e-6.
 TEST(CpuSolverInvariance, NumberingMattersByRoundingOnly) {
   double largest = 0.0;
   for_each_body([&](const Scene& scene, const std::vector<Points>& a) {

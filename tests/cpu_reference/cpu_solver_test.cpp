@@ -1,5 +1,5 @@
-// CpuSolver: one result for every number of threads, probed or not, saved and loaded or not; near the Oracle;
-// and the invariants of the method in float.
+// CpuSolver gives one result for any number of threads, probed or not, resumed or not. It stays near the
+// Oracle, and the invariants of the method hold in float.
 #include "cpu_reference/solver/cpu_solver.h"
 
 #include <bit>
@@ -73,7 +73,7 @@ TEST(CpuSolver, SavedAndLoadedGoesOnWithTheSameBits) {
   EXPECT_EQ(through->save().frame, 20u);
 }
 
-// Rule 5: no stage hands on a denormal, a negative zero or anything else below 2^-40.
+// Rule 5: no stage outputs a denormal, a negative zero or anything else below 2^-40.
 TEST(CpuSolver, StagesHandOnNothingBelowTheSnap) {
   struct Check : model::Probe {
     void on_stage(const model::Where& where, std::span<const float> values) override {
@@ -94,9 +94,9 @@ TEST(CpuSolver, StagesHandOnNothingBelowTheSnap) {
   EXPECT_GT(check.zeros, 0u);
 }
 
-// The solver and the Oracle share no arithmetic. Float rounding is 2^-24 of coordinates near 1; each of N
-// substeps adds a few and a damped body forgets them: 20 frames of 3 substeps, 2^-24 x 60 x about 10
-// roundings, gives 4e-5. The shares' quantisation, 2^-17 of the strain between neighbours, stays below that.
+// The solver and the Oracle share no arithmetic. Float rounding is 2^-24 for coordinates near 1. Each substep
+// adds a few roundings, which a damped body forgets: 20 frames of 3 substeps, 2^-24 x 60 x about 10
+// roundings, give 4e-5. The quantisation of shares, 2^-17 of the strain between neighbours, stays below that.
 TEST(CpuSolver, StaysNearTheOracle) {
   for (unsigned seed = 0; seed < random_models; ++seed) {
     const Model model = random_model(seed);
@@ -108,7 +108,7 @@ TEST(CpuSolver, StaysNearTheOracle) {
         model, *solver, oracle, [&](std::uint64_t k) { return sway.at(k); }, 20);
     EXPECT_LT(distance.largest, 4e-5)
         << "seed " << seed << " frame " << distance.frame << " vertex " << distance.vertex;
-    EXPECT_GT(distance.largest, 0.0) << "the comparison compares something with itself";
+    EXPECT_GT(distance.largest, 0.0) << "the two solvers are the same";
   }
 }
 
@@ -129,10 +129,11 @@ Momentum momentum_of(const Model& model, const Frame& frame) {
   return p;
 }
 
-// A free body, stretched unevenly and let go, does not push or turn itself. Linear: rounding only, each
-// step's velocity change carries 2^-24 relative to alpha (g - q)/h with q near 1 and h 1/240, so 1.4e-5 m/s a
-// vertex and step, random in sign: over 200 vertices and 400 steps it averages below 1e-4 of the motion.
-// Angular adds the rotation's accuracy, 3e-5 degrees.
+// A free body that is stretched unevenly and released exerts no net force or torque on itself. Linear
+// momentum has only rounding errors: each step's velocity change has an error of 2^-24 relative to alpha (g -
+// q)/h, with q near 1 and h 1/240, so 1.4e-5 m/s per vertex and step, with random signs. Over 200 vertices
+// and 400 steps this averages below 1e-4 of the motion. Angular momentum adds the rotation's accuracy, 3e-5
+// degrees.
 TEST(CpuSolver, FreeBodyKeepsItsMomentum) {
   for (const float beta : {0.0f, 0.6f, 1.0f}) {
     BodyOptions options{.alpha = 0.8f, .beta = beta, .fibre = {0.6, 0.8, 0}};
@@ -156,7 +157,7 @@ TEST(CpuSolver, FreeBodyKeepsItsMomentum) {
   }
 }
 
-// And a control: the weights as printed do push a free body.
+// The control: the weights as printed do push a free body.
 TEST(CpuSolver, UnscaledWeightsPushAFreeBody) {
   BodyOptions options{.alpha = 0.8f, .beta = 0.6f, .fibre = {0.6, 0.8, 0}, .momentum_scaled = false};
   const Model model = make_model(jittered(kuhn_bar(8, 3, 3, 0.125), 1.0 / 1024, 8, 5), options);
@@ -176,10 +177,10 @@ TEST(CpuSolver, UnscaledWeightsPushAFreeBody) {
   EXPECT_GT(drift, 1e-4 * motion);
 }
 
-// A free bar at rest stays, undamped too, within 1.5e-4 of its length in 2,000 substeps. Measured 5.3e-5
-// to 8.4e-5 with 3,321 vertices, whose rounding adds up to less the more they are; 1.4e-4 to 2.8e-4 with 525.
-// It takes a translation of which nothing is rounded alike in every substep (kernel/region.inc): from the sum
-// q0 + o it is 4.3e-4 to 1.8e-3.
+// A free, undamped bar at rest stays within 1.5e-4 of its length in 2,000 substeps. Measured 5.3e-5 to 8.4e-5
+// with 3,321 vertices, and 1.4e-4 to 2.8e-4 with 525, as rounding averages out over vertices. This requires a
+// translation without a rounding error that repeats in every substep (kernel/region.inc): with the sum q0 + o
+// it is 4.3e-4 to 1.8e-3.
 TEST(CpuSolver, BarAtRestDoesNotDrift) {
   for (const float beta : {0.0f, 0.7f, 1.0f}) {
     const Model model = make_model(kuhn_bar(40, 8, 8, 0.025), {.alpha = 1.0f, .beta = beta, .damping = 0.0});
@@ -188,15 +189,15 @@ TEST(CpuSolver, BarAtRestDoesNotDrift) {
   }
 }
 
-// Damped by 2 % a substep: measured 1.5e-5; 9.6e-5 from the sum q0 + o, and 3.5e-3 with a goal that sums
-// shares times maps in place of differences.
+// With 2 % damping a substep: measured 1.5e-5; 9.6e-5 with the sum q0 + o, and 3.5e-3 with a goal that sums
+// shares times maps instead of differences.
 TEST(CpuSolver, DampedBarAtRestDoesNotDrift) {
   const Model model = make_model(kuhn_bar(20, 4, 4, 0.05), {.alpha = 1.0f, .beta = 0.7f, .damping = 12.1});
   const auto solver = make_cpu_solver(model, {}, 2);
   EXPECT_LT(drift_at_rest(model, *solver), 3e-5);
 }
 
-// Relative damping: a skeleton carried at 5 m/s, with the origin following it, gives the same body plus the
+// Relative damping: with the skeleton and the origin moving at 5 m/s, the body is the same plus the
 // translation. Positions near 1 are rounded to 2^-24 in both runs, at different places: 60 frames of 4
 // substeps stay below 2e-5.
 TEST(CpuSolver, CarriedSkeletonChangesNothingButTheTranslation) {
@@ -234,8 +235,8 @@ TEST(CpuSolver, CarriedSkeletonChangesNothingButTheTranslation) {
   EXPECT_LT(largest, 2e-5);
 }
 
-// mueller2016 reaches the same rest shape: on a settled body both rotations agree to float accuracy of the
-// blend.
+// mueller2016 reaches the same rest shape: on a settled body both rotations agree to the float accuracy of
+// the blend.
 TEST(CpuSolver, BothRotationsSettleAlike) {
   const Model model =
       make_model(kuhn_bar(8, 3, 3, 0.125),

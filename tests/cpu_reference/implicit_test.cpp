@@ -1,4 +1,4 @@
-// The implicit integrator on small bodies: CpuSolver beside the Oracle, and what must hold of any step.
+// The implicit integrator on small bodies: CpuSolver compared with the Oracle, and properties of every step.
 #include "host/model/implicit.h"
 
 #include <cmath>
@@ -53,15 +53,14 @@ Model free_bar(double E, float beta, double density = 1000.0) {
   return make_implicit(make_model(jittered(kuhn_bar(6, 2, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
 }
 
-// Skeletons, muscles, forces and shares of the skeleton's acceleration, as explicit random models have them.
-// Rounding is amplified by 1 / (1 - a) at most, here some hundreds, and by the over-relaxation: 20 frames
-// stay below 1e-4 of the bodies' quarter of a metre.
+// Skeletons, muscles, forces and shares of the skeleton's acceleration, as in explicit random models.
+// Rounding is amplified by at most 1 / (1 - a), a few hundred here, and by over-relaxation: 20 frames stay
+// below 1e-4 of the bodies' quarter of a metre.
 TEST(Implicit, CpuStaysNearTheOracle) {
   for (unsigned seed = 0; seed < 12; ++seed) {
     Model model = random_model(seed);
     model.momentum_scaled = true;
-    // The term's numbers are those of the weights, which become others here; its gain is at most what a scene
-    // gets.
+    // The volume term depends on the weights, which change here; its gain is at most what a scene can have.
     const bool has_volume = !model.volume_gain.empty();
     model.volume_gain.clear();
     model.region_volume.clear();
@@ -80,8 +79,7 @@ TEST(Implicit, CpuStaysNearTheOracle) {
   }
 }
 
-// Threads, probes, and a state saved and loaded in the midst of a motion change no bit; a probe sees each
-// iteration.
+// Threads, probes, and saving and loading a state during a motion change no bit; a probe sees each iteration.
 TEST(Implicit, ThreadsProbesAndSavingDoNotMatter) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     Model model = random_model(seed);
@@ -114,7 +112,7 @@ TEST(Implicit, ThreadsProbesAndSavingDoNotMatter) {
   }
 }
 
-// A substep of another length is no history, on every solver alike.
+// A substep of another length cannot serve as history, in either solver.
 TEST(Implicit, ChangingTheStepBeginsAnew) {
   const Model model = held_bar(2e4);
   const auto solver = make_cpu_solver(model, implicit, 1);
@@ -131,7 +129,7 @@ TEST(Implicit, ChangingTheStepBeginsAnew) {
   EXPECT_LT(largest, 2e-6);  // a few roundings of 6e-8 a step, on a body 0.2 long
 }
 
-// h -> 0 and the first step: v + h f, whatever the stiffness, for a body that nothing deforms.
+// A free body that nothing deforms falls with v + h f, whatever its stiffness.
 TEST(Implicit, AFreeBodyFallsAsItShould) {
   const Model model = free_bar(2e3, 0.0f);
   const auto solver = make_cpu_solver(model, implicit, 1);
@@ -141,17 +139,17 @@ TEST(Implicit, AFreeBodyFallsAsItShould) {
     solver->submit(drive.get(), both);
     frame = solver->collect();
   }
-  // Half a second: g t and g t^2 / 2. What 20 iterations leave of a step, a twentieth at most, is in the
-  // start already but for the first few; and the first step, backward Euler, goes g h^2 too far.
+  // Half a second: g t and g t^2 / 2. 20 iterations leave at most a twentieth of a step, most of which the
+  // next starting point contains. The first step is backward Euler and goes g h^2 too far.
   for (std::size_t i = 0; i < model.vertex_count; ++i) {
     EXPECT_NEAR(frame.velocities[3 * i + 1], -9.81 * 0.5, 0.01 * 9.81 * 0.5);
     EXPECT_NEAR(frame.positions[3 * i + 1] - model.rest[3 * i + 1], -9.81 * 0.125, 0.02 * 9.81 * 0.125);
   }
 }
 
-// A free body, stretched unevenly and let go, does not push itself. The goals conserve momentum; what the
-// iterations leave does not: 1e-6 of the motion where they converge. With 20 of them a thousandth is asked,
-// and less with more.
+// A free body that is stretched unevenly and released exerts no net force on itself. The goals conserve
+// momentum but unfinished iterations do not: the error is 1e-6 of the motion if they converge. The test
+// allows two thousandths with 20 iterations and a ten-thousandth with 80.
 TEST(Implicit, AFreeBodyKeepsItsMomentum) {
   for (const float beta : {0.0f, 1.0f}) {
     const Model model = free_bar(5e3, beta);
@@ -183,7 +181,7 @@ TEST(Implicit, AFreeBodyKeepsItsMomentum) {
   }
 }
 
-// Kinetic energy and the regions' (1/2) sum_r sum_i w_ir |q_i - g_i^r|^2, by the Oracle's weights.
+// Kinetic energy plus the regions' (1/2) sum_r sum_i w_ir |q_i - g_i^r|^2, with the Oracle's weights.
 class Energy {
  public:
   explicit Energy(const Model& model) : model_(model), rest_(rest_points(model)), oracle_(model, implicit) {}
@@ -228,9 +226,9 @@ class Energy {
   const Oracle oracle_;
 };
 
-// The corners: 1 Pa and 1 GPa, 0.1 ms and 1/12 s, 1 and 10,000 kg/m^3, a free body that starts stretched and
-// moving. Finite, and no more energy than it had, but for a hundredth. The full 10,000 steps take minutes;
-// ctest takes 500 of each corner (FASCICLE_IMPLICIT_STEPS=10000 runs them all).
+// The extremes: 1 Pa and 1 GPa, 0.1 ms and 1/12 s, 1 and 10,000 kg/m^3, a free body that starts stretched and
+// moving. It stays finite and gains at most a hundredth of its energy. The full 10,000 steps take minutes, so
+// ctest runs 500 of each (FASCICLE_IMPLICIT_STEPS=10000 runs all).
 TEST(Implicit, CornersStayFiniteAndGainNoEnergy) {
   const char* asked = std::getenv("FASCICLE_IMPLICIT_STEPS");
   const int steps = asked != nullptr ? std::atoi(asked) : 500;
@@ -264,7 +262,7 @@ TEST(Implicit, CornersStayFiniteAndGainNoEnergy) {
       }
 }
 
-// Chebyshev's numbers, by recurrence and by the polynomials themselves, for soft bodies and for stiff ones.
+// Chebyshev's coefficients, by recurrence and from the polynomials, for soft and stiff bodies.
 TEST(Implicit, RelaxationsAreChebyshevs) {
   for (const double stiffest : {0.0, 1e-3, 0.5, 0.99, 0.9999})
     for (const std::uint32_t iterations : {1u, 2u, 5u, 20u, 80u}) {
@@ -283,7 +281,7 @@ TEST(Implicit, RelaxationsAreChebyshevs) {
     }
 }
 
-// Model and options must be of one kind.
+// Model and options must be for the same integrator.
 TEST(Implicit, RefusesAModelOfTheOtherIntegrator) {
   const Model plain = make_model(kuhn_bar(2, 1, 1, 0.5));
   EXPECT_THROW(make_cpu_solver(plain, implicit, 1), std::invalid_argument);
@@ -296,7 +294,8 @@ TEST(Implicit, RefusesAModelOfTheOtherIntegrator) {
   EXPECT_THROW(make_cpu_solver(plain, {}, 1)->load(state), std::invalid_argument);
 }
 
-// A substep before belongs to its length: one without the other would be read differently by each solver.
+// The previous substep and its length belong together: solvers would interpret one without the other
+// differently.
 TEST(Implicit, RefusesAStateWhoseSubstepBeforeIsNotWhole) {
   const Model elastic = make_implicit(make_model(kuhn_bar(2, 1, 1, 0.5)), 1e4);
   const auto solver = make_cpu_solver(elastic, implicit, 1);

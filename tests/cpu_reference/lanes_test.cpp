@@ -1,5 +1,5 @@
-// Stages in lanes against the scalar stages: the same bits at every level of instructions that the machine
-// has, for any number of threads.
+// Stages in lanes compared with the scalar stages: the same bits at every SIMD level of the machine, for any
+// number of threads.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -46,7 +46,7 @@ Motion run(const Model& model, Simd simd, unsigned threads, int frames, model::S
   return motion;
 }
 
-// Every level and number of threads ends where the scalar stages do, frame by frame.
+// Every level and number of threads matches the scalar stages, frame by frame.
 void expect_same_bits(const Model& model, int frames, const model::SolverOptions& options) {
   const Motion scalar = run(model, Simd::scalar, 1, frames, options);
   for (const Simd simd : available_simd())
@@ -66,7 +66,7 @@ void expect_same_bits(const Model& model, int frames = 10) {
   expect_same_bits(model, frames, options_of(model));
 }
 
-// A level that the build lost would be left out everywhere, and no other test would miss it.
+// If the build lost a level, all other tests would just skip it.
 TEST(Lanes, EveryLevelOfTheMachineIsThere) {
   const std::vector<Simd> levels = available_simd();
   const auto has = [&levels](Simd level) {
@@ -83,7 +83,7 @@ TEST(Lanes, EveryLevelOfTheMachineIsThere) {
 #endif
 }
 
-// Large enough for chunks of many slices, an odd one at their end, and memory asked for ahead.
+// Large enough for chunks of many slices, an incomplete one at the end, and prefetching.
 TEST(Lanes, HaveTheScalarBitsOnALargerModel) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -117,7 +117,7 @@ TEST(Lanes, HaveTheScalarBitsOfTheImplicitIntegrator) {
   }
 }
 
-// With forces, muscles, a skeleton and shares of its acceleration that are not felt.
+// With forces, muscles, a skeleton and partly felt acceleration.
 TEST(Lanes, HaveTheScalarBitsOfImplicitRandomModels) {
   std::size_t with_forces = 0, with_carried = 0;
   for (unsigned seed = 0; seed < 12; ++seed) {
@@ -142,7 +142,7 @@ TEST(Lanes, HaveTheScalarBitsInContact) {
   }
 }
 
-// A fan around an edge: two one-rings of 71, more than lanes take at a time, among ones of four.
+// A fan around an edge: two one-rings of 71, more than lanes take at a time, among one-rings of four.
 TEST(Lanes, HaveTheScalarBitsInDeepOneRings) {
   constexpr std::uint32_t around = 70;
   Mesh mesh;
@@ -159,7 +159,7 @@ TEST(Lanes, HaveTheScalarBitsInDeepOneRings) {
   expect_same_bits(model);
 }
 
-// Regions that take nothing are skipped, vertices that give nothing have no goal but their own.
+// Regions that take nothing are skipped; vertices that give nothing are their own goal.
 TEST(Lanes, HaveTheScalarBitsWhereWeightsAreZero) {
   Model model = make_model(kuhn_bar(6, 3, 3, 0.1), {.alpha = 0.7f});
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
@@ -171,7 +171,7 @@ TEST(Lanes, HaveTheScalarBitsWhereWeightsAreZero) {
   expect_same_bits(model);
 }
 
-// The model with `count` kinematic vertices without neighbours put in before vertex `at`.
+// The model with `count` kinematic vertices without neighbours inserted before vertex `at`.
 Model spread(Model model, std::uint32_t at, std::uint32_t count) {
   const auto put_in = [&](auto& values, std::size_t width, auto value) {
     values.insert(values.begin() + static_cast<std::ptrdiff_t>(width * at), width * count, value);
@@ -193,7 +193,7 @@ Model spread(Model model, std::uint32_t at, std::uint32_t count) {
   return model;
 }
 
-// Neighbours that lie further away in memory than 16 bits reach.
+// Neighbours further away in memory than 16 bits can address.
 TEST(Lanes, HaveTheScalarBitsWhereNeighboursLieFarApart) {
   const Model near = make_model(jittered(kuhn_bar(3, 2, 2, 0.1), 0.005, 1, 5), {.beta = 0.5f});
   EXPECT_TRUE(cpu_reference::make_slices(near).is_compact());
@@ -202,7 +202,7 @@ TEST(Lanes, HaveTheScalarBitsWhereNeighboursLieFarApart) {
   expect_same_bits(far, 2);
 }
 
-// A share of all of a vertex is 2^16 parts, which 16 bits do not hold.
+// A share of 1 is 2^16 parts, which do not fit into 16 bits.
 TEST(Lanes, HaveTheScalarBitsWhereOneRegionHasAVertexAlone) {
   Model model = make_model(kuhn_bar(2, 2, 2, 0.1));
   const std::uint32_t i = 5, first = model.ring_offset[i];
@@ -216,7 +216,7 @@ TEST(Lanes, HaveTheScalarBitsWhereOneRegionHasAVertexAlone) {
   expect_same_bits(model);
 }
 
-// The control: a body that moves otherwise is seen.
+// The control: a different motion is detected.
 TEST(Lanes, ADifferenceWouldBeSeen) {
   const Model model = random_model(3);
   const Motion a = run(model, Simd::automatic, 1, 2, {});

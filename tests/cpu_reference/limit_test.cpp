@@ -1,6 +1,6 @@
-// Flesh that was crushed pushes back. The solvers are the Oracle's formulas, and its gradients those of the
-// volume; a free body pushes and turns itself by nothing; a load that crushes flesh without limits does not
-// with them; where nothing is crushed, no bit changes.
+// Crushed flesh pushes back. The solvers match the Oracle's formulas, and its gradients match the volume. A
+// free body exerts no net force or torque on itself. A load that crushes flesh without limits does not crush
+// it with them. Where nothing is crushed, no bit changes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,7 +36,7 @@ Vector3d triple(const std::vector<float>& values, std::uint32_t i) {
   return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
 }
 
-// 0.19 m high, E in Pa, its lowest vertices held where asked.
+// 0.19 m high; E in Pa; with `held`, the lowest vertices are kinematic.
 Model column(double E, bool held, double share = kept) {
   BodyOptions options;
   options.damping = 12.0;
@@ -47,7 +47,7 @@ Model column(double E, bool held, double share = kept) {
   return model;
 }
 
-// The least volume of a tetrahedron over its volume at rest.
+// The smallest volume of any tetrahedron, relative to its volume at rest.
 double least_volume(const Model& model, const std::vector<float>& positions) {
   double least = 1.0;
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
@@ -68,7 +68,7 @@ State after_load(const Model& model, model::Solver& solver, double load, int fra
   return solver.save();
 }
 
-// A body pressed to a third of its height, a little bent, and moving.
+// A body pressed to a third of its height, slightly bent, and moving.
 State crushed(const Model& model, State state) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -88,7 +88,7 @@ TEST(Limit, TheModelKeepsItsPromises) {
   EXPECT_NO_THROW(check_model(column(3e3, false)));
 }
 
-// Central differences of a cubic, which is linear in each coordinate: exact but for rounding.
+// Central differences of a cubic that is linear in each coordinate: exact except for rounding.
 TEST(Limit, TheOraclesGradientsAreThoseOfTheVolume) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -111,9 +111,9 @@ TEST(Limit, TheOraclesGradientsAreThoseOfTheVolume) {
   }
 }
 
-// By hand: one free corner over a held triangle, pressed flat. The gradient is the triangle's area over 3,
-// along the normal, so a pass takes it all the way but for a hundredth that bounds the step. It had no volume
-// when the substep began, so it opens by all that it lacks, or by less in a short step.
+// By hand: one free corner above a held triangle, pressed flat. The gradient is the triangle's area over 3,
+// along the normal, so a pass reaches the limit except for a hundredth that bounds the step. As it had no
+// volume at the beginning of the substep, it opens by all of the missing volume, or by less in a short step.
 TEST(Limit, ACornerOverAHeldTriangleIsLiftedToItsLeastHeight) {
   Model model = make_model(regular_tetrahedron());
   for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
@@ -131,18 +131,17 @@ TEST(Limit, ACornerOverAHeldTriangleIsLiftedToItsLeastHeight) {
     TestDrive drive = quiet_drive(model, h);
     solver->submit(drive.get(), {});
     const State lifted = solver->save();
-    // The tolerance is what the passes leave, and what the flesh's own 1 Pa does in the step.
+    // The tolerance covers what the passes leave and the effect of the flesh's 1 Pa in the step.
     const double way = std::min(1.0, 240.0 * h) * 0.5 * top;
     EXPECT_NEAR((triple(lifted.positions, 0) - centre).norm(), way, 1e-3 * top) << h;
-    // So the speed has a bound however short the step is: what skinning crushes at once does not burst.
+    // So the speed is bounded for any step length, and flesh that skinning crushes suddenly does not burst.
     EXPECT_NEAR(triple(lifted.velocities, 0).norm(), way / h, 0.01 * way / h) << h;
   }
 }
 
-// A column between two plates holds still, however short the substeps are: rounding is left, 2e-5 m/s with
-// 1440 substeps a second, and some 5e-4 where a tetrahedron is just about to lack volume. When limits went
-// half as far again as their volumes asked for, it trembled at 0.02 to 0.4 m/s. The control: while it is
-// being pressed it moves.
+// A column between two plates comes to rest, however short the substeps are. Rounding leaves 2e-5 m/s at 1440
+// substeps a second, and about 5e-4 if a tetrahedron is just at its limit. When limits overshot the missing
+// volume by half, it trembled at 0.02 to 0.4 m/s. The control: it moves while it is being pressed.
 TEST(Limit, FleshThatIsPressedAndHeldComesToRest) {
   for (const float pressed : {0.25f, 0.4f, 0.6f})
     for (const double rate : {240.0, 1440.0}) {
@@ -166,13 +165,12 @@ TEST(Limit, FleshThatIsPressedAndHeldComesToRest) {
       };
       EXPECT_GT(speed_after(0.025), 0.05);
       EXPECT_LT(speed_after(2.0), 2e-3);
-      EXPECT_LT(least_volume(model, solver->save().positions), 1.01 * kept) << "nothing is held by a limit";
+      EXPECT_LT(least_volume(model, solver->save().positions), 1.01 * kept) << "no limit is active";
     }
 }
 
-// Metres, of a column of 0.19 that is crushed to a third: rounding, amplified by which tetrahedra lack
-// volume, a choice that a bit may turn. Three frames of four substeps; what the load itself moves is a
-// hundred times as much.
+// Metres, for a column of 0.19 that is crushed to a third. Rounding decides which tetrahedra lack volume,
+// which amplifies it. Three frames of four substeps; the load itself moves vertices a hundred times as far.
 TEST(Limit, FollowsTheOracle) {
   const Model model = column(3e3, true);
   const auto solver = make_cpu_solver(model, implicit, 2);
@@ -187,7 +185,7 @@ TEST(Limit, FollowsTheOracle) {
   EXPECT_LT(largest, 5e-4);
 }
 
-// Tissue under ten times its weight: without limits it is crushed to less than nothing.
+// Tissue under four and ten times its weight; without limits, ten times its weight turns it inside out.
 TEST(Limit, TissueUnderALoadKeepsItsVolume) {
   for (const double load : {40.0, 100.0}) {
     const Model model = column(3e3, true), without = column(3e3, true, 0.0);
@@ -200,7 +198,7 @@ TEST(Limit, TissueUnderALoadKeepsItsVolume) {
   }
 }
 
-// A body that was turned inside out opens.
+// A body turned inside out opens again.
 TEST(Limit, FlatTetrahedraOpen) {
   const Model model = column(3e3, true);
   const auto solver = make_cpu_solver(model, implicit, 1);
@@ -228,7 +226,7 @@ Momentum momentum_of(const Model& model, const State& state) {
   return sum;
 }
 
-// What a crushed free body's momenta change by in a frame, over how much motion its opening makes.
+// The change of a crushed free body's momenta in a frame, relative to the motion as it opens.
 double change_of_momentum(const Model& model, model::Solver& solver) {
   const State start = crushed(model, solver.save());
   solver.load(start);
@@ -238,8 +236,8 @@ double change_of_momentum(const Model& model, model::Solver& solver) {
          after.size;
 }
 
-// Undamped. To the iterations' tolerance, beyond which the limits add nothing: the same as without them. The
-// control: some vertices take limits as if they were lighter.
+// Undamped. The error is the iterations' tolerance, to which limits add nothing. The control: some vertices
+// respond to limits as if they were lighter.
 TEST(Limit, AFreeBodyKeepsItsMomenta) {
   Model model = column(3e3, false);
   model.layers[0].damping = 0.0;
@@ -252,7 +250,7 @@ TEST(Limit, WhereNothingIsCrushedNoBitChanges) {
   const Model model = column(2e4, true), without = column(2e4, true, 0.0);
   EXPECT_EQ(after_load(model, *make_cpu_solver(model, implicit, 2), 9.81, 10),
             after_load(without, *make_cpu_solver(without, implicit, 2), 9.81, 10));
-  // The control: under a load that crushes they differ.
+  // The control: under a crushing load they differ.
   EXPECT_NE(after_load(model, *make_cpu_solver(model, implicit, 2), 500.0, 10),
             after_load(without, *make_cpu_solver(without, implicit, 2), 500.0, 10));
 }
@@ -270,7 +268,7 @@ TEST(Limit, LanesThreadsAndSavingHaveTheScalarBits) {
     }
 }
 
-// What the GPU's tests compare is crushed: without limits it moves otherwise.
+// The bar of the GPU tests is crushed: without limits it moves differently.
 TEST(Limit, TheBarThatOtherTestsBendIsCrushed) {
   const Model model = make_bar({.skeleton = true, .implicit = true, .limits = true}),
               without = make_bar({.skeleton = true, .implicit = true});

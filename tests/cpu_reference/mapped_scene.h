@@ -1,5 +1,5 @@
-// A body in motion and its images: rotated, mirrored, renumbered. What must not change a trajectory is held
-// by the Oracle's tests in double and by the CPU solver's in float, on the same bodies.
+// A body in motion and its images: rotated, mirrored, renumbered. The Oracle's tests in double and the CPU
+// solver's in float check on the same bodies that these do not change a trajectory.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,8 @@
 
 namespace fascicle::tests {
 
-// A body with its motion, in numbers that survive what the tests do to them: the rotation below has entries
-// of whole 25ths and all lengths are multiples of 25/2^k, so that rotated and mirrored copies are exact in
-// float.
+// A body and its motion, in numbers that stay exact in float under the tests' maps: the rotation below has
+// entries in 25ths, and all lengths are multiples of 25/2^k.
 struct Scene {
   Mesh mesh;
   Points velocities;
@@ -30,7 +29,7 @@ struct Scene {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
-// The rotation of the quaternion (4, 2, 2, 1)/5.
+// The rotation by the quaternion (4, 2, 2, 1)/5.
 inline Eigen::Matrix3d exact_rotation() {
   Eigen::Matrix3d R;
   R << 15, 0, 20, 16, 15, -12, -12, 20, 9;
@@ -48,7 +47,7 @@ inline Scene make_scene(unsigned seed, bool pinned) {
     scene.velocities.push_back(grid * 2 * Eigen::Vector3d(small(random), small(random), small(random)));
     scene.alpha.push_back(unit(random));
     scene.beta.push_back(unit(random));
-    // Not of unit length, so that rotating is exact: the Oracle takes only the direction.
+    // Not normalised, so that rotation is exact; the Oracle uses only the direction.
     scene.fibres.push_back(25.0 * Eigen::Vector3d(1 + std::abs(small(random)), small(random), small(random)));
     scene.pinned.push_back(pinned && p.x() < 4 * grid);
   }
@@ -68,7 +67,7 @@ inline Scene mapped(const Scene& scene, const Eigen::Matrix3d& R, const Eigen::V
   return copy;
 }
 
-// The same body with its vertices numbered new_number[i] in place of i.
+// The same body with vertex i renumbered to new_number[i].
 inline Scene renumbered(const Scene& scene, const std::vector<std::uint32_t>& new_number) {
   Scene renamed = scene;
   for (std::size_t i = 0; i < scene.mesh.points.size(); ++i) {
@@ -92,7 +91,7 @@ inline std::vector<std::uint32_t> shuffled_numbers(std::size_t count, unsigned s
   return numbers;
 }
 
-// A trajectory of the renumbered body in the numbers of the first.
+// Converts a trajectory of the renumbered body to the original numbers.
 inline std::vector<Points> in_old_numbers(const std::vector<Points>& trajectory,
                                           const std::vector<std::uint32_t>& new_number) {
   std::vector<Points> all;

@@ -35,7 +35,7 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
-// R times a symmetric positive matrix has R as its best rotation.
+// R times a symmetric positive matrix has the best rotation R.
 TEST(OracleRotation, PolarFactorIsFound) {
   Random random(1);
   for (int k = 0; k < 2000; ++k) {
@@ -43,13 +43,13 @@ TEST(OracleRotation, PolarFactorIsFound) {
     const Matrix3d axes = random.rotation().toRotationMatrix();
     const Vector3d s(random.between(0.05, 1.0), random.between(0.05, 1.0), random.between(0.05, 1.0));
     const Matrix3d A = 1e-3 * R.toRotationMatrix() * axes * s.asDiagonal() * axes.transpose();
-    // The gap s2 + s3 is at least a tenth of s1, so rounding of 2^-52 grows by at most some ten; the angle of
-    // a quaternion product cannot be read below 2e-8, so matrices are compared.
+    // The gap s2 + s3 is at least a tenth of s1, so rounding of 2^-52 is amplified by about ten. The angle of
+    // a quaternion product has a resolution of only 2e-8, so matrices are compared.
     EXPECT_LT((best_rotation(A, random.rotation()).toRotationMatrix() - R.toRotationMatrix()).norm(), 1e-13);
   }
 }
 
-// An inverted moment: the weakest axis is the one mirrored, and the result is a proper rotation.
+// An inverted moment: the weakest axis is mirrored, and the result is a proper rotation.
 TEST(OracleRotation, InversionGivesAProperRotation) {
   Random random(2);
   for (int k = 0; k < 2000; ++k) {
@@ -62,7 +62,7 @@ TEST(OracleRotation, InversionGivesAProperRotation) {
   }
 }
 
-// Brute force: no rotation near or far has a larger trace(R^T A) than the one found.
+// Brute force: no random rotation, near or far, has a larger trace(R^T A) than the one found.
 TEST(OracleRotation, NoOtherRotationIsBetter) {
   Random random(3);
   for (int k = 0; k < 50; ++k) {
@@ -94,8 +94,8 @@ TEST(OracleRotation, NoMomentKeepsTheRotation) {
   EXPECT_LT((best_rotation(Matrix3d::Zero(), last).coeffs() - last.coeffs()).norm(), 1e-15);
 }
 
-// A rank-1 moment s a b^T says only that b goes to a. Of all such rotations the nearest to the last has no
-// twist about a: it is the last one followed by the shortest arc.
+// A rank-1 moment s a b^T determines only that b maps to a. Of all such rotations, the nearest to the last
+// one has no twist about a: the last one followed by the shortest arc.
 TEST(OracleRotation, RankOneKeepsTheTwist) {
   Random random(6);
   for (int k = 0; k < 500; ++k) {
@@ -105,26 +105,27 @@ TEST(OracleRotation, RankOneKeepsTheTwist) {
     const Quaterniond found = best_rotation(0.3 * a * b.transpose(), last);
     EXPECT_LT((found * b - a).norm(), 1e-14);
     const Quaterniond arc = Quaterniond::FromTwoVectors(last * b, a);
-    // Nearly opposite directions leave the arc's axis to rounding: 2^-52 over the distance to opposite.
+    // For nearly opposite directions, rounding decides the arc's axis: 2^-52 over the distance to opposite.
     const double tolerance = 1e-13 / (1.0 + (last * b).dot(a));
     EXPECT_LT((found.toRotationMatrix() - (arc * last).toRotationMatrix()).norm(), tolerance);
   }
 }
 
-// A point reflection is as far from every half turn: the last rotation, if it is one of the best, stays.
+// A point reflection is equally far from every half turn; if the last rotation is one of the best, it stays.
 TEST(OracleRotation, TiesOfAnInversionGoToTheNearest) {
   Random random(7);
   for (int k = 0; k < 200; ++k) {
     const Quaterniond last(Eigen::AngleAxisd(std::numbers::pi, random.direction()));
     EXPECT_LT((best_rotation(-Matrix3d::Identity(), last).coeffs() - last.coeffs()).norm(), 1e-15 * 8);
   }
-  // The identity is a quarter turn of the quaternion away from all of them: any one, but a rotation.
+  // The identity is a quarter turn of the quaternion away from all of them: the result may be any proper
+  // rotation.
   const Matrix3d any = best_rotation(-Matrix3d::Identity(), Quaterniond::Identity()).toRotationMatrix();
   EXPECT_NEAR(any.determinant(), 1.0, 1e-14);
   EXPECT_NEAR(any.trace(), -1.0, 1e-14);
 }
 
-// A flat region (rank 2) has one best rotation, normal included.
+// A flat region (rank 2) has a unique best rotation, including its normal.
 TEST(OracleRotation, RankTwoIsDetermined) {
   Random random(8);
   for (int k = 0; k < 500; ++k) {
@@ -134,7 +135,7 @@ TEST(OracleRotation, RankTwoIsDetermined) {
   }
 }
 
-// (8)(9)(10)(11): the goals of a rigidly moved body are where it is, whatever fibre and beta.
+// (8)(9)(10)(11): the goals of a rigidly moved body are its own positions, for any fibre and beta.
 TEST(OracleGoal, RigidlyMovedBodyIsItsOwnGoal) {
   Random random(9);
   for (unsigned seed = 0; seed < 20; ++seed) {
@@ -156,8 +157,8 @@ TEST(OracleGoal, RigidlyMovedBodyIsItsOwnGoal) {
     Points goals;
     for (std::uint32_t i = 0; i < model.vertex_count; ++i)
       goals.push_back(blended_goal(weights, i, regions, rest, moved));
-    // Coordinates of a few metres round by 4e-16; a region 0.1 m wide turns that into 1e-14 of its rotation,
-    // times some 1/(s2 + s3) where weights are nearly on a line.
+    // Coordinates of a few metres are rounded by 4e-16. In a region 0.1 m wide that is an error of 1e-14 in
+    // its rotation, times about 1/(s2 + s3) if the weights are nearly collinear.
     EXPECT_LT(largest_distance(goals, moved), 1e-13) << "seed " << seed;
   }
 }
@@ -168,7 +169,7 @@ TEST(OracleMuscle, ScaleKeepsVolume) {
     const Vector3d n = random.direction();
     const double c = cpu_reference::muscle_stretch(random.between(0, 3) * random.between(-1, 1));
     const Matrix3d T = cpu_reference::muscle_scale(n, c);
-    EXPECT_NEAR(T.determinant(), 1.0, 1e-14);  // some ten roundings of 2^-53, by c <= 4
+    EXPECT_NEAR(T.determinant(), 1.0, 1e-14);  // about ten roundings of 2^-53, with c <= 4
     EXPECT_LT((T - T.transpose()).norm(), 1e-15);
     EXPECT_LT((T * n - c * n).norm(), 4e-15);
     const Vector3d across = n.unitOrthogonal();
@@ -185,7 +186,7 @@ TEST(OracleMuscle, SlackMuscleIsTheIdentity) {
   EXPECT_EQ(cpu_reference::muscle_twist(n, n.unitOrthogonal(), 0.0), Matrix3d::Identity());
 }
 
-// (17) by hand, and its clamp.
+// (17) by hand, with its clamp.
 TEST(OracleMuscle, StretchByHand) {
   EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.75), 1.75);
   EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(-0.25), 0.75);
@@ -193,7 +194,7 @@ TEST(OracleMuscle, StretchByHand) {
   EXPECT_EQ(cpu_reference::muscle_stretch(-9.0), 0.25);
 }
 
-// Twisting a cylinder moves (rho, phi, s) to (rho, phi + k s, s). Its gradient, turned back by k s, is the
+// Twisting a cylinder maps (rho, phi, s) to (rho, phi + k s, s). Its gradient, rotated back by k s, is the
 // shear.
 TEST(OracleMuscle, TwistIsThatOfACylinder) {
   const double k = 1.7, rho = 0.3, s = 0.4, phi = 0.9;

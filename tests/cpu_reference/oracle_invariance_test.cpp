@@ -1,4 +1,4 @@
-// What must not change a trajectory, and what a free body must keep: momentum.
+// Changes that must not affect a trajectory, and the momentum that a free body must conserve.
 #include <cmath>
 #include <random>
 
@@ -44,12 +44,12 @@ void expect_mapped(const std::vector<Points>& a, const std::vector<Points>& b, c
     ASSERT_LT(largest_distance(image, b[n]), tolerance) << "step " << n + 1;
     moved = std::max(moved, largest_distance(a[n], a[0]));
   }
-  EXPECT_GT(moved, 0.05);  // half a spacing: there was a motion to compare
+  EXPECT_GT(moved, 0.05);  // half a spacing: the body did move
 }
 
-// Two runs that differ by rounding (1e-16 m) part slowly while no region is near inversion: stiff springs are
-// oscillators, in which kicks add up, by 200 steps to some 1e-14 and, as regions turn far, some hundredfold
-// more.
+// Two runs that differ by rounding (1e-16 m) diverge slowly while no region is near inversion. Stiff springs
+// are oscillators, in which kicks add up to about 1e-14 by 200 steps, and about a hundred times that as
+// regions rotate far.
 constexpr double same_trajectory = 1e-11;
 
 TEST(OracleInvariance, RotatedAndMovedBodyMovesTheSame) {
@@ -80,7 +80,7 @@ TEST(OracleInvariance, NumberingDoesNotMatter) {
   expect_mapped(a, b, Matrix3d::Identity(), Vector3d::Zero(), same_trajectory);
 }
 
-// A body that is rotated and thrown without spin goes straight, at its speed, and keeps its shape.
+// A rotated body thrown without spin moves straight at constant speed and keeps its shape.
 TEST(OracleInvariance, ThrownRigidBodyGoesStraight) {
   Scene scene = make_scene(5, false);
   const Vector3d v(1.5, -0.25, 5.0);
@@ -95,7 +95,7 @@ TEST(OracleInvariance, ThrownRigidBodyGoesStraight) {
     advance(oracle, drive);
     Points expected;
     for (const Vector3d& p : start) expected.push_back(p + n * h * v);
-    // Coordinates of up to 8 m round by 9e-16; should every step miss to the same side, that grows like
+    // Coordinates of up to 8 m are rounded by 9e-16. If all errors had the same sign, they would grow like
     // n^2/2.
     ASSERT_LT(largest_distance(oracle.positions(), expected), 5e-12) << "step " << n;
   }
@@ -126,16 +126,16 @@ struct Drift {
   double angular = 0.0;
 };
 
-// Largest relative change of a free, tumbling and wobbling body's momenta over 1,000 steps. Muscles are on: T
-// takes part too, and so may the volume term.
+// The largest relative change of the momenta of a free, tumbling and wobbling body over 1,000 steps. Muscles
+// are on, so T takes part; so can the volume term.
 Drift momentum_drift(unsigned seed, bool momentum_scaled, float volume_gain = 0.0f) {
   const Scene scene = make_scene(seed, false);
   Model model = model_of(scene, momentum_scaled);
   if (volume_gain > 0.0f) add_volume(model, volume_gain);
   add_muscle(model, {0.6, 0.0, 0.8}, 0.5, 0.25, 2);
   Oracle oracle(model, {});
-  // Around its own centre and on the spot: the farther from the origin, the coarser double's positions, and
-  // 1/h times that is what a velocity can be held to.
+  // Around its centre and without drift: the farther from the origin, the coarser are double positions, and
+  // 1/h times that limits the accuracy of velocities.
   Vector3d centre = Vector3d::Zero();
   Vector3d velocity = Vector3d::Zero();
   double mass = 0.0;
@@ -169,16 +169,16 @@ Drift momentum_drift(unsigned seed, bool momentum_scaled, float volume_gain = 0.
 TEST(OracleMomentum, FreeBodyKeepsBothMomenta) {
   for (unsigned seed : {11u, 12u, 13u, 14u}) {
     const Drift drift = momentum_drift(seed, true, seed > 12 ? 3.0f : 0.0f);
-    // A goal 0.2 m from the origin rounds by 3e-17, its pull on the velocity by 1/h = 64 times that: 2e-15
-    // m/s, or 2e-14 of the velocities here, for each of 36 vertices in each of 1,000 steps. Adding up at
-    // random, relative to the sum over all vertices: 2e-14 sqrt(1000/36) = 1e-13. A margin of ten for what is
-    // not random.
+    // A goal 0.2 m from the origin is rounded by 3e-17, its pull on the velocity by 1/h = 64 times that:
+    // 2e-15 m/s, or 2e-14 of the velocities here, for each of 36 vertices in each of 1,000 steps. Random
+    // errors, relative to the sum over all vertices, add up to 2e-14 sqrt(1000/36) = 1e-13. The margin of ten
+    // is for errors that are not random.
     EXPECT_LT(drift.linear, 1e-12) << "seed " << seed;
     EXPECT_LT(drift.angular, 2e-12) << "seed " << seed;
   }
 }
 
-// As printed a free body pushes itself: the control that the test above can fail.
+// The control: with the weights as printed, a free body pushes itself.
 TEST(OracleMomentum, PrintedWeightsDoNot) {
   for (unsigned seed : {11u, 12u, 13u}) {
     const Drift drift = momentum_drift(seed, false);
@@ -187,9 +187,9 @@ TEST(OracleMomentum, PrintedWeightsDoNot) {
   }
 }
 
-// A skeleton that bends, carried along at 5 m/s in whole and half metres a frame: positions are kept relative
-// to an origin that follows in whole metres. Damping is relative to the skeleton, so nothing but the
-// translation may change.
+// A skeleton that bends while moving at 5 m/s, in whole and half metres a frame. Positions are relative to an
+// origin that follows in whole metres. As damping is relative to the skeleton, only the translation may
+// change.
 TEST(OracleInvariance, CarriedFrameChangesNothing) {
   constexpr std::uint32_t substeps = 4;
   constexpr int frames = 64;
@@ -212,7 +212,7 @@ TEST(OracleInvariance, CarriedFrameChangesNothing) {
         const double time = h * (double(substeps) * f + s + 1);
         shader::Bone& moving = drive.bones[2 * s + 1];
         const float bend = float(0.25 * std::sin(6.0 * time));
-        moving.xy = -bend;  // a shear and a stretch: skinning takes any affine map
+        moving.xy = -bend;  // a shear and a stretch; skinning takes any affine map
         moving.yx = bend;
         for (std::uint32_t j = 0; j < 2; ++j) drive.bones[2 * s + j].xt = float(speed * time - origin);
       }
@@ -229,7 +229,7 @@ TEST(OracleInvariance, CarriedFrameChangesNothing) {
   run(0.0, 0.0, standing, &lag);
   run(5.0, 5.0, carried, nullptr);
   run(5.0, 0.0, pushed, nullptr);
-  EXPECT_GT(lag, 0.01);  // there is a motion
+  EXPECT_GT(lag, 0.01);  // the body did move
   double worst = 0.0;
   double control = 0.0;
   for (int f = 0; f < frames; ++f) {
@@ -239,7 +239,7 @@ TEST(OracleInvariance, CarriedFrameChangesNothing) {
   // All translations and origins are exact in float (5/64 m a substep), so only double rounding remains:
   // 1e-16 of a metre, over h for the skinned velocity, over 256 steps.
   EXPECT_LT(worst, 1e-12);
-  EXPECT_GT(control, 0.05);  // starting without the 5 m/s does show
+  EXPECT_GT(control, 0.05);  // starting without the 5 m/s is detected
 }
 
 }  // namespace

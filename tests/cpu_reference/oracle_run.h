@@ -1,4 +1,4 @@
-// What the Oracle's tests share: setting a state, stepping, comparing.
+// Shared by the Oracle's tests: setting a state, stepping, comparing.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ inline std::vector<float> to_floats(const Points& points) {
   return floats;
 }
 
-// Positions and velocities as given (rounded to float), rotations the identity, skinned where rest is.
+// Positions and velocities as given (rounded to float), identity rotations, skinned positions at rest.
 inline void set_state(const model::Model& model, cpu_reference::Oracle& oracle, const Points& q,
                       const Points& v) {
   model::State state = oracle.save();
@@ -49,7 +49,7 @@ inline double largest_distance(const Points& a, const Points& b) {
   double largest = a.size() == b.size() ? 0.0 : 1e300;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     const double distance = (a[i] - b[i]).norm();
-    if (!(distance <= largest)) largest = distance;  // a NaN gets in, and stays in
+    if (!(distance <= largest)) largest = distance;  // lets a NaN in and keeps it
   }
   return largest;
 }

@@ -1,4 +1,4 @@
-// Trajectories of the Oracle against closed forms.
+// Trajectories of the Oracle compared with closed forms.
 #include "cpu_reference/oracle/oracle.h"
 
 #include <cmath>
@@ -19,10 +19,10 @@ using model::Model;
 
 constexpr double h = 1.0 / 64.0;
 
-// A regular tetrahedron whose vertex 0 is free and pulled out along its axis of symmetry. The moment stays
-// symmetric and so the rotation the identity; then all four regions have the goal g - q = -(1 - w_0/W) x for
+// A regular tetrahedron whose vertex 0 is free and displaced along its axis of symmetry. The moment stays
+// symmetric, so the rotation is the identity. All four regions then have the goal g - q = -(1 - w_0/W) x for
 // a displacement x along the axis, and the vertex is a spring, q <- y - alpha_eff x with alpha_eff = alpha (1
-// - w_0/W). `anchor` is the mass of the three pinned vertices over the free one's.
+// - w_0/W). `anchor` is the mass of a pinned vertex relative to the free one.
 struct Spring {
   Model model;
   double alpha_eff = 0.0;
@@ -36,14 +36,14 @@ Spring make_spring(float alpha, bool momentum_scaled, double anchor = 1.0, doubl
   options.kinematic = [](const Vector3d& p) { return p != Vector3d(1, 1, 1); };
   Spring spring{make_model(regular_tetrahedron(), options)};
   for (std::uint32_t i = 1; i < 4; ++i) spring.model.mass[i] = anchor * spring.model.mass[0];
-  // Every region holds all four vertices: each gets a quarter of s_i = alpha m_0 and anchor m_0, or m_i as
-  // printed.
+  // Every region contains all four vertices: each gets a quarter of s_i = alpha m_0 and anchor m_0, or of m_i
+  // as printed.
   const double w = momentum_scaled ? double(alpha) : 1.0;
   spring.alpha_eff = double(alpha) * (1.0 - w / (w + 3.0 * anchor));
   return spring;
 }
 
-// The displacement along the axis after each of `steps` steps, from x_0 at rest.
+// The displacement along the axis after each of `steps` steps, starting from x_0 at rest.
 std::vector<double> displacements(const Spring& spring, double x_0, int steps, double* off_axis = nullptr) {
   const Vector3d axis = Vector3d(1, 1, 1) / std::sqrt(3.0);
   Oracle oracle(spring.model, {});
@@ -72,8 +72,8 @@ TEST(OracleSpring, SwingsWithTheFrequencyOfItsStiffness) {
       const std::vector<double> xs = displacements(spring, 1.0 / 16, 2000, &off_axis);
       for (std::size_t n = 1; n <= xs.size(); ++n) {
         const double exact = std::cos((double(n) + 0.5) * theta) / std::cos(theta / 2.0) / 16.0;
-        // Coordinates near 1 round by 1e-16 a step; in an oscillator such kicks add up like n sqrt(n)/theta
-        // at worst.
+        // Coordinates near 1 are rounded by 1e-16 a step; in an oscillator such kicks add up to n
+        // sqrt(n)/theta at worst.
         ASSERT_NEAR(xs[n - 1], exact, 1e-12) << "alpha " << alpha << " step " << n;
       }
       EXPECT_LT(off_axis, 1e-12);
@@ -95,10 +95,10 @@ TEST(OracleSpring, DampsAsItsLayerSays) {
   const std::vector<double> xs = displacements(spring, x_0, 1000);
   for (std::size_t n = 1; n <= xs.size(); ++n)
     ASSERT_NEAR(xs[n - 1], (k * std::pow(root, double(n))).real(), 1e-13)
-        << "step " << n;  // 1e-16 a step, forgotten
+        << "step " << n;  // 1e-16 a step, damped away
 }
 
-// A float rounds h = 1/60: the step taken is the float's, which shows after 600 steps of free fall.
+// A float rounds h = 1/60: steps use the float's value, which shows after 600 steps of free fall.
 TEST(OracleSpring, StepsByTheFloatOfH) {
   Model model = make_model(regular_tetrahedron());
   model.alpha.assign(4, 0.0f);
@@ -107,10 +107,10 @@ TEST(OracleSpring, StepsByTheFloatOfH) {
   advance(oracle, drive);
   const double step = float(1.0 / 60.0);
   EXPECT_NEAR(oracle.velocities()[0].y(), -8.0 * 600 * step, 1e-11);   // 600 roundings of 80 m/s
-  EXPECT_GT(std::abs(oracle.velocities()[0].y() + 8.0 * 10.0), 1e-7);  // not the double's
+  EXPECT_GT(std::abs(oracle.velocities()[0].y() + 8.0 * 10.0), 1e-7);  // not the double's value
 }
 
-// The explicit step is stable below alpha_eff = 4. Anchors heavy as a wall make alpha_eff = alpha.
+// The explicit step is stable below alpha_eff = 4. Very heavy anchors make alpha_eff = alpha.
 TEST(OracleSpring, StabilityEndsAtFour) {
   const auto largest = [](float alpha) {
     double most = 0.0;
@@ -118,15 +118,15 @@ TEST(OracleSpring, StabilityEndsAtFour) {
       most = std::max(most, std::abs(x));
     return most;
   };
-  // Below, the amplitude is x_0/cos(theta/2) = x_0/sqrt(1 - alpha/4): 20 x_0 at 3.99, with 4 parts in 3e6 of
-  // slack.
+  // Below, the amplitude is x_0/cos(theta/2) = x_0/sqrt(1 - alpha/4): 20 x_0 at 3.99, where the anchors'
+  // finite mass changes alpha_eff by 4 parts in 3e6.
   EXPECT_LT(largest(3.99f), 20.1 / 1024);
   EXPECT_GT(largest(3.99f), 10.0 / 1024);
-  // Above, it grows by (1 + sqrt(0.01))-ish a step: far out of any bound long before 2,000 steps.
+  // Above, it grows by about (1 + sqrt(0.01)) a step and exceeds any bound long before 2,000 steps.
   EXPECT_GT(largest(4.01f), 1e3);
 }
 
-// A body at rest without gravity stays, whatever holds it, beta and the fibres.
+// A body at rest without gravity stays at rest, whatever its pins, beta and fibres.
 TEST(OracleRest, StaysForTenThousandSteps) {
   struct Case {
     const char* name;
@@ -134,10 +134,10 @@ TEST(OracleRest, StaysForTenThousandSteps) {
     double damping;
     double tolerance;
   };
-  // Coordinates of up to 0.3 m round by 3e-17, so a goal misses by some 1e-17 a step, and always the same
-  // way, as nothing changes. Pinned, that stays what it is. Free, it is a force that nothing holds, an
-  // acceleration of alpha 1e-17/h^2: damped by e it gives a speed, n alpha 1e-17/(1 - e) with 1 - e = 0.19,
-  // that is 4e-13; undamped it grows like n^2 alpha 1e-17/2, 4e-10. Each with a margin of a few.
+  // Coordinates of up to 0.3 m are rounded by 3e-17, so a goal is off by about 1e-17 a step, always with the
+  // same sign, as nothing changes. Pinned, the error stays constant. Free, it is an acceleration of alpha
+  // 1e-17/h^2. Damped by e, that gives a drift of n alpha 1e-17/(1 - e) with 1 - e = 0.19, which is 4e-13;
+  // undamped it grows like n^2 alpha 1e-17/2, 4e-10. Each tolerance has a margin of a few times.
   const Case cases[] = {
       {"pinned", true, 0.0, 1e-14}, {"free, damped", false, 13.4, 1e-12}, {"free", false, 0.0, 2e-9}};
   for (const Case& c : cases)
@@ -157,8 +157,8 @@ TEST(OracleRest, StaysForTenThousandSteps) {
     }
 }
 
-// Rest under (15)-(17): a body whose regions all share one T is at rest in the shape T q0, and its volume the
-// same.
+// Rest with (15)-(17): a body whose regions all share one T is at rest in the shape T q0, with the same
+// volume.
 TEST(OracleRest, BulgedBodyRestsInItsBulgedShape) {
   BodyOptions options;
   options.beta = 0.5f;
@@ -166,21 +166,21 @@ TEST(OracleRest, BulgedBodyRestsInItsBulgedShape) {
   add_muscle(model, Vector3d::UnitY(), 1.5);
   Oracle oracle(model, {});
   TestDrive drive = quiet_drive(model, h);
-  // c = 1 + 1.5 x 2 x 1 = 4: T = diag(1/2, 4, 1/2), exact in float.
+  // c = 1 + 1.5 x 2 x 1 = 4, so T = diag(1/2, 4, 1/2), exact in float.
   drive.muscles.assign(1, shader::Muscle{0, 2, 0, 0, 0});
   Points bulged;
   for (const Vector3d& p : rest_points(model)) bulged.emplace_back(p.x() / 2, 4 * p.y(), p.z() / 2);
   set_state(model, oracle, bulged, Points(model.vertex_count, Vector3d::Zero()));
   advance(oracle, drive, 200);
   EXPECT_LT(largest_distance(oracle.positions(), bulged), 1e-13);  // rounding, as for any free body at rest
-  // The control: slack, that shape is no rest.
+  // The control: with a slack muscle, that shape is not at rest.
   set_state(model, oracle, bulged, Points(model.vertex_count, Vector3d::Zero()));
   drive.muscles.assign(1, shader::Muscle{0, 0, 0, 0, 0});
   advance(oracle, drive, 1);
   EXPECT_GT(largest_distance(oracle.positions(), bulged), 1e-2);
 }
 
-// A muscle with activation 0 is no muscle.
+// A muscle with activation 0 has no effect.
 TEST(OracleRest, SlackMuscleChangesNothing) {
   Model model = make_model(jittered(kuhn_bar(2, 2, 1, 0.125), 1.0 / 1024, 10, 6));
   Points pulled = rest_points(model);
@@ -194,11 +194,11 @@ TEST(OracleRest, SlackMuscleChangesNothing) {
     advance(oracle, drive, 200);
     ends[muscle] = oracle.positions();
   }
-  // D I D^T is the identity to 2^-52; 200 steps of a smooth motion let that grow some hundredfold.
+  // D I D^T is the identity to 2^-52; 200 steps of a smooth motion amplify that by a few hundred.
   EXPECT_LT(largest_distance(ends[0], ends[1]), 1e-12);
 }
 
-// Vertices of stiffness 0 fall as stones, and the others do not know of them, wherever they are.
+// Vertices of stiffness 0 fall freely and do not affect the others, wherever they are.
 TEST(OracleDegenerate, LayerWithoutStiffnessFallsAndPullsNothing) {
   BodyOptions options;
   options.beta = 0.4f;
@@ -244,7 +244,7 @@ TEST(OracleDegenerate, BodyWithoutAnyStiffnessIsFinite) {
     EXPECT_NEAR(oracle.positions()[i].y() - double(model.rest[3 * i + 1]), -8.0 * h * h * 64 * 65 / 2, 1e-13);
 }
 
-// All points at one place have no moment: the last rotation stays and the body springs open again.
+// If all points coincide there is no moment: the last rotation stays and the body opens again.
 TEST(OracleDegenerate, CollapsedBodyOpensInItsLastRotation) {
   const Model model = make_model(regular_tetrahedron());
   Oracle oracle(model, {});
@@ -280,7 +280,7 @@ TEST(OracleForces, CoefficientTimesForceAccelerates) {
   EXPECT_EQ(oracle.velocities()[2], Vector3d(0, 0, 0));
 }
 
-// Every frame's surface is the barycentric mean of its vertices; only asked-for buffers come.
+// Every frame's surface is the barycentric mean of its vertices; only requested buffers are returned.
 TEST(OracleFrame, SurfaceRidesOnTheVertices) {
   const Model model = make_model(kuhn_bar(2, 1, 1, 0.125));
   Oracle oracle(model, {});
@@ -294,7 +294,7 @@ TEST(OracleFrame, SurfaceRidesOnTheVertices) {
   EXPECT_TRUE(first.positions.empty() && first.velocities.empty() && second.surface.empty());
   EXPECT_EQ(second.positions, to_floats(oracle.positions()));
   EXPECT_EQ(second.velocities, to_floats(oracle.velocities()));
-  // A free body falls as one: every render vertex by h^2 g 6 from its place at rest.
+  // A free body falls as a whole: every render vertex by h^2 g 6 from its rest position.
   ASSERT_EQ(first.surface.size(), 3 * std::size_t{model.surface_count()});
   for (std::uint32_t s = 0; s < model.surface_count(); ++s)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -309,7 +309,7 @@ TEST(OracleFrame, SurfaceRidesOnTheVertices) {
   EXPECT_THROW(oracle.collect(), std::logic_error);
 }
 
-// save() rounds to float once; from there on the same history gives the same bits.
+// save() rounds to float once; after that the same history gives the same bits.
 TEST(OracleFrame, SavedStateGoesOn) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Model model = random_model(seed);
@@ -332,7 +332,7 @@ TEST(OracleFrame, SavedStateGoesOn) {
   }
 }
 
-// What the probe is shown: stages in order, floats by stage_width.
+// What a probe is shown: stages in order, with stage_width floats.
 TEST(OracleFrame, ProbeSeesEveryStageInOrder) {
   struct Seen : model::Probe {
     void on_stage(const model::Where& where, std::span<const float> values) override {

@@ -1,4 +1,4 @@
-// The weights w_ir: equations (12), (13), (14), their holes, and the momentum scaling.
+// The weights w_ir: equations (12), (13), (14), their special cases, and momentum scaling.
 #include "cpu_reference/oracle/oracle_weights.h"
 
 #include <cmath>
@@ -38,7 +38,8 @@ BodyOptions printed(float beta, const Vector3d& fibre, WeightForm form = WeightF
   return options;
 }
 
-// A centre with six neighbours along the axes; eight tetrahedra. The centre is its region's centre of mass.
+// A centre with six neighbours along the axes; eight tetrahedra. The centre is the centre of mass of its
+// region.
 Mesh octahedron() {
   Mesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -74,19 +75,19 @@ TEST(OracleWeights, BetaOneIsTheMassTimesTheCosineSquared) {
     for (std::uint32_t i : region_of(model, r)) {
       const Vector3d offset = rest[i] - centre / mass;
       const double c = d.dot(offset) / offset.norm();
-      // The Model's fibre is (0.6f, 0.8f): a direction off by up to 6e-8, so c^2 by twice that.
+      // The Model's fibre is (0.6f, 0.8f), off by up to 6e-8, so c^2 is off by twice that.
       EXPECT_NEAR(oracle.weight(i, r), model.mass[i] * c * c, 1.2e-7 * model.mass[i]);
     }
   }
 }
 
-// Between: w = m (beta c + 1 - beta)^2 / (beta^2 + (1 - beta)^2), at cosine 0.6 and beta 0.75 by hand:
+// In between: w = m (beta c + 1 - beta)^2 / (beta^2 + (1 - beta)^2). By hand, with cosine 0.6 and beta 0.75:
 // (0.45 + 0.25)^2 / (0.5625 + 0.0625) = 0.784.
 TEST(OracleWeights, BetweenByHand) {
   const Vector3d offset(3, 4, 0);
   for (WeightForm form : {WeightForm::symmetric, WeightForm::kaneda2017})
     EXPECT_NEAR(fibre_weight(Vector3d::UnitX(), 0.75, offset, form), 0.784, 1e-15);
-  // Against the fibre, (-0.45 + 0.25)^2 / 0.625 = 0.064, as printed; `symmetric` knows no against.
+  // Against the fibre, (-0.45 + 0.25)^2 / 0.625 = 0.064 as printed; `symmetric` ignores the sign.
   EXPECT_NEAR(fibre_weight(-Vector3d::UnitX(), 0.75, offset, WeightForm::kaneda2017), 0.064, 1e-15);
   EXPECT_NEAR(fibre_weight(-Vector3d::UnitX(), 0.75, offset, WeightForm::symmetric), 0.784, 1e-15);
 }
@@ -103,7 +104,7 @@ TEST(OracleWeights, AFibreHasNoSign) {
   }
 }
 
-// As printed it has one, between beta 0 and 1: the control that the test above can fail.
+// The control: as printed, the sign matters between beta 0 and 1.
 TEST(OracleWeights, APrintedFibreHasASign) {
   const Vector3d d(0.48, -0.6, 0.64);
   for (float beta : {0.0f, 0.5f, 1.0f}) {
@@ -129,7 +130,7 @@ TEST(OracleWeights, NoFibreIsBetaZero) {
     for (std::uint32_t i : region_of(model, r)) EXPECT_EQ(oracle.weight(i, r), model.mass[i]);
 }
 
-// At the centre of mass r_i has no direction: the weight is the mass, also where rounding leaves a tiny r_i.
+// At the centre of mass r_i has no direction: the weight is the mass, even if rounding leaves a tiny r_i.
 TEST(OracleWeights, VertexAtTheCentreWeighsItsMass) {
   for (double away : {0.0, 1e-7}) {
     Mesh mesh = octahedron();
@@ -143,7 +144,7 @@ TEST(OracleWeights, VertexAtTheCentreWeighsItsMass) {
   }
 }
 
-// Every r_i of a flat region stands square to a fibre along its normal: the weights sum to nothing and fall
+// In a flat region every r_i is perpendicular to a fibre along the normal: the weights sum to zero and fall
 // back.
 TEST(OracleWeights, RegionWithoutWeightsFallsBackToMass) {
   Mesh flat = regular_tetrahedron();
@@ -155,8 +156,8 @@ TEST(OracleWeights, RegionWithoutWeightsFallsBackToMass) {
     for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(oracle.weight(i, r), model.mass[i]);
 }
 
-// Here vertices (1,1,1) and (-1,-1,1) stand square to the fibre in all their regions, the others do not: only
-// those two fall back.
+// Here vertices (1,1,1) and (-1,-1,1) are perpendicular to the fibre in all their regions, so only these two
+// fall back.
 TEST(OracleWeights, VertexWithoutWeightsFallsBackToMass) {
   const Mesh mesh = regular_tetrahedron();
   const Model model = make_model(mesh, printed(1.0f, Vector3d(1, -1, 0)));
@@ -170,7 +171,8 @@ TEST(OracleWeights, VertexWithoutWeightsFallsBackToMass) {
     }
 }
 
-// Scaled: what vertex i gives to all its regions is s_i = alpha_i m_i, m_i if kinematic, nothing at alpha 0.
+// Scaled: the total that vertex i gives to all its regions is s_i = alpha_i m_i, m_i if kinematic, nothing at
+// alpha 0.
 TEST(OracleWeights, MomentumScalingSumsToStiffnessTimesMass) {
   int kinematic = 0;
   int loose = 0;
@@ -182,7 +184,7 @@ TEST(OracleWeights, MomentumScalingSumsToStiffnessTimesMass) {
       double sum = 0.0;
       for (std::uint32_t r : region_of(model, i)) sum += oracle.weight(i, r);
       const double s = model.is_kinematic(i) ? model.mass[i] : double(model.alpha[i]) * model.mass[i];
-      EXPECT_NEAR(sum, s, 1e-14 * model.mass[i]);  // some 20 additions
+      EXPECT_NEAR(sum, s, 1e-14 * model.mass[i]);  // about 20 additions
       kinematic += model.is_kinematic(i);
       loose += s == 0.0;
     }

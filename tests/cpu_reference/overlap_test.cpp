@@ -1,4 +1,5 @@
-// OverlapMeter: how much of a body lies inside itself. Against all pairs, and against numbers by hand.
+// OverlapMeter measures how much of a body is inside itself. Compared with all pairs, and with numbers by
+// hand.
 #include "host/model/overlap.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ Vector3d triple(const std::vector<float>& values, std::uint32_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-// The points that lie in a tetrahedron of flesh that they may meet, and how deep: every point against every
+// The points inside a tetrahedron that they may meet, and their depths: every point against every
 // tetrahedron, by inverting the tetrahedron's edges.
 std::vector<PointOverlap> overlaps_of_all_pairs(const Model& model, const std::vector<float>& positions) {
   std::vector<PointOverlap> overlaps;
@@ -65,9 +66,8 @@ std::vector<PointOverlap> overlaps_of_all_pairs(const Model& model, const std::v
   return overlaps;
 }
 
-// Two blocks of which half moves with the skeleton, tetrahedra as a whole: the lower half of the one, the
-// upper half of the other; or all but one vertex. Some points ignore some flesh, and every third
-// one may meet what is near it in the first block.
+// Two blocks whose lower or upper halves move with the skeleton, in whole tetrahedra; or all but one vertex
+// do. Some points ignore some flesh, and every third may meet nearby flesh of the first block.
 TwoBlocks varied_blocks(unsigned seed) {
   TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
   Model m = without_contact(blocks.model);
@@ -89,8 +89,8 @@ TwoBlocks varied_blocks(unsigned seed) {
   return blocks;
 }
 
-// The second block pushed into the first by `into`, all vertices moved at random besides, by up to
-// `size` edges, and the second moved down.
+// Pushes the second block into the first by `into` and down by `down`. All vertices also move randomly by up
+// to `size` edges.
 std::vector<float> pushed(const TwoBlocks& blocks, double into, unsigned seed, float size = 0.1f,
                           float down = 0.0f) {
   std::mt19937 random(seed);
@@ -105,7 +105,7 @@ std::vector<float> pushed(const TwoBlocks& blocks, double into, unsigned seed, f
   return positions;
 }
 
-// Points that were found; of these, those that follow the skeleton and those with flesh across a gap.
+// The number of points found, of those that are kinematic, and of those with flesh across a gap.
 struct Seen {
   std::size_t found = 0, held = 0, across_a_gap = 0;
 };
@@ -121,7 +121,7 @@ void expect_what_all_pairs_find(const TwoBlocks& blocks, double into, float size
   for (std::size_t k = 0; k < found.size(); ++k) {
     EXPECT_EQ(found[k].point, expected[k].point) << seed;
     EXPECT_EQ(found[k].tetrahedron, expected[k].tetrahedron) << seed;
-    // The same weights by other sums: rounding of double, with edges that are nearly flat.
+    // The same weights by different sums: rounding of doubles, with nearly flat edges.
     EXPECT_NEAR(found[k].depth, expected[k].depth, 1e-12) << seed;
     deepest = std::max(deepest, expected[k].depth);
     seen.held += m.is_kinematic(m.contact[found[k].point].vertex) ? 1 : 0;
@@ -138,12 +138,12 @@ TEST(OverlapMeter, FindsWhatAllPairsFind) {
   for (unsigned seed = 1; seed <= 9; ++seed) {
     const TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
     expect_what_all_pairs_find(blocks, 0.03 * seed, 0.1f, 0.0f, seed, plain);
-    // From half an edge on many tetrahedra are inside out, and points lie in several.
+    // From half an edge on, many tetrahedra are inside out and points are in several of them.
     for (const float size : {0.1f, 0.5f, 1.5f})
       expect_what_all_pairs_find(varied_blocks(seed), 0.05 + 0.0625 * seed, size, 0.03f * float(seed), seed,
                                  varied);
   }
-  // A corner of the first block lies in the second, and both follow the skeleton.
+  // A corner of the first block is inside the second, and both follow the skeleton.
   for (const unsigned seed : {3U, 6U, 9U})
     expect_what_all_pairs_find(varied_blocks(seed), 0.56, 0.1f, 0.06f, seed, varied);
   EXPECT_GT(plain.found, 100u);
@@ -152,8 +152,8 @@ TEST(OverlapMeter, FindsWhatAllPairsFind) {
   EXPECT_GT(varied.across_a_gap, 50u);
 }
 
-// The blocks overlap in the rest shape already. It counts for nothing there, nor where it is turned and
-// moved; and elsewhere each point counts by what it is deeper than at rest.
+// The blocks already overlap in the rest shape. That does not count, either at rest or rotated and
+// translated. In other shapes a point counts by its depth beyond that at rest.
 TEST(OverlapMeter, CountsWhatGoesBeyondTheRestShape) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
@@ -169,7 +169,8 @@ TEST(OverlapMeter, CountsWhatGoesBeyondTheRestShape) {
     const model::OverlapMeter meter(m);
     std::vector<double> at_rest(m.contact.size(), -1.0);
     for (const PointOverlap& one : overlaps_of_all_pairs(m, m.rest)) at_rest[one.point] = one.depth;
-    EXPECT_GT(*std::max_element(at_rest.begin(), at_rest.end()), 0.05) << "m: there is something at rest";
+    EXPECT_GT(*std::max_element(at_rest.begin(), at_rest.end()), 0.05)
+        << "m: the blocks hardly overlap at rest";
 
     std::vector<float> turned = m.rest;
     const Eigen::Matrix3d turn(Eigen::AngleAxisd(1.0, Vector3d(1.0, 2.0, -2.0) / 3.0));
@@ -188,7 +189,7 @@ TEST(OverlapMeter, CountsWhatGoesBeyondTheRestShape) {
     std::vector<PointOverlap> expected;
     for (const PointOverlap& one : overlaps_of_all_pairs(m, deeper)) {
       const double more = one.depth - std::max(at_rest[one.point], 0.0);
-      // Between rounding of floats and what counts there is nothing here.
+      // No depth here is between rounding errors and depths that count.
       EXPECT_TRUE(more < 1e-7 || more > 1e-5 || at_rest[one.point] < 0.0) << more;
       if (more > 1e-5 || at_rest[one.point] < 0.0) expected.push_back({one.point, one.tetrahedron, more});
     }
@@ -202,8 +203,7 @@ TEST(OverlapMeter, CountsWhatGoesBeyondTheRestShape) {
   }
 }
 
-// Vertices that have flown off make no difference to the others, and tetrahedra that reach out to them hold
-// what they hold.
+// Vertices far away do not affect others, and tetrahedra that extend to them still contain their points.
 TEST(OverlapMeter, FindsTheSameBesideWhatHasFlownOff) {
   std::uint64_t found = 0;
   for (const float far : {3.0f, 1e4f, 1e30f, std::numeric_limits<float>::infinity()}) {
@@ -218,9 +218,9 @@ TEST(OverlapMeter, FindsTheSameBesideWhatHasFlownOff) {
   EXPECT_GT(found, 40u);
 }
 
-// Two cubes of side 1/2, one pushed into the other by 1/8 along x and nothing else. Each has a face of area
-// 1/4 that lies 1/8 deep in the other, so the volume is 1/32. Points near the face's rim are nearer to the
-// other's sides than to its face and count with that depth: less than half of the volume is lost so.
+// Two cubes of side 1/2, one pushed into the other by 1/8 along x. Each has a face of area 1/4 that is 1/8
+// deep in the other, so the volume is 1/32. Points near the face's rim are nearer to the other cube's sides
+// than to its face and count with that smaller depth, which loses less than half of the volume.
 TEST(OverlapMeter, ApproachesTheVolumeByHand) {
   Mesh mesh = kuhn_bar(8, 8, 8, 0.0625);
   const auto first = static_cast<std::uint32_t>(mesh.points.size());
@@ -244,7 +244,7 @@ TEST(OverlapMeter, ApproachesTheVolumeByHand) {
   EXPECT_LT(overlap.volume, 1.0 / 32.0);
 }
 
-// What is no number lies nowhere, and nothing lies in it.
+// A NaN point is inside nothing, and nothing is inside a tetrahedron with a NaN corner.
 TEST(OverlapMeter, BearsWhatIsNoNumber) {
   const TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, 1);
   const model::OverlapMeter meter(blocks.model);

@@ -1,4 +1,4 @@
-// An implicit substep's input and the plain form of the search for contacts, for tests that call the stages.
+// An implicit substep's input and the plain search for contacts, for tests that call the stages directly.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace fascicle::tests {
 
-// A substep, with history where the model is implicit, and the tables that it points into.
+// A substep, with history if the model is implicit, and the tables it points to.
 struct SubstepWithTables {
   SubstepWithTables(const model::Model& m, double step_length) {
     TestDrive quiet = quiet_drive(m, step_length);

@@ -1,5 +1,5 @@
-// What the CPU's kernels touch, held against the schedule: a field that a kernel does not write stays as it
-// is, and one that it does not read may hold anything.
+// Compares what the CPU's kernels access with the schedule: a field that a kernel does not write stays
+// unchanged, and one that it does not read may contain anything.
 #include <bit>
 #include <cstring>
 #include <functional>
@@ -28,7 +28,7 @@ using model::Field;
 using model::Kernel;
 using model::Model;
 
-// Where a field's numbers stand: one of `first` and `first_whole`.
+// Where a field's numbers are: either `first` or `first_whole` is set.
 struct Place {
   float* first = nullptr;
   std::size_t count = 0, stride = 1, width = 1;
@@ -167,7 +167,7 @@ struct PlanCase {
     if (!implicit) return;
     tables = model::implicit_tables(model, options, drive.h);
     in.implicit = model::implicit_step(model, tables, true);
-    // Every tetrahedron lacks volume, now and when the substep began, and opens by a part of what it lacks.
+    // Every tetrahedron lacks volume, now and at the beginning of the substep, and regains part of it.
     for (shader::Limit& limit : model.limit) limit.least *= 2.0f;
     in.implicit.step = 1e-3f;
     in.implicit.gain = 0.75f;
@@ -179,7 +179,7 @@ struct PlanCase {
   static bool is_whole(Field f) {
     return f == Field::contact_found || f == Field::contact_first || f == Field::contact_next;
   }
-  // Number k of a field of whole numbers: some points have found nothing, some chains are empty, and each
+  // Number k of a field of integers: some points have found nothing, some chains are empty, and every chain
   // ends.
   std::uint32_t whole(Field f, std::uint32_t k) const {
     const std::uint32_t tetrahedra = model.contact_tetrahedron_count();
@@ -188,7 +188,7 @@ struct PlanCase {
     return k % 3 == 0 ? shader::no_contact : k + 1;
   }
 
-  // Fields of a body in motion: every number is random, positions near rest.
+  // Fields of a body in motion: random numbers, with positions near rest.
   cpu::Fields fields() const {
     cpu::Fields made;
     size_fields(model, made);
@@ -204,12 +204,12 @@ struct PlanCase {
       for_each_number(place_of(made, f, model), [&](float& x) {
         x = small(random) + (is_place ? model.rest[k] : 0.0f);
         if (f == Field::rotation || f == Field::transform) x += k % 4 == 0 ? 1.0f : 0.0f;
-        // A tetrahedron in three lacks volume.
+        // Every third tetrahedron lacks volume.
         if (f == Field::lack) x = k % 3 == 0 ? 0.01f : 0.0f;
         if (f == Field::limit_load) x = 1.0f;
         if (f == Field::contact_box) x = k % 6 < 3 ? -1.0f : 1.0f;
         if (f == Field::contact_branch_box) x = k % 6 < 3 ? -2.0f : 2.0f;
-        // More than the least that counts.
+        // More than the minimum that counts.
         if (f == Field::contact_crowd) x = 3.0f;
         if (is_whole(f)) x = std::bit_cast<float>(whole(f, static_cast<std::uint32_t>(k)));
         ++k;
@@ -266,7 +266,7 @@ struct PlanCase {
       case Kernel::crowd:
         return crowd(model, in, fields, vertices);
       case Kernel::limit: {
-        // What every tetrahedron moves its corners by is kept here; on the GPU each corner computes it.
+        // The CPU stores the moves of all tetrahedra here; on the GPU each corner computes them.
         const auto limits = static_cast<std::uint32_t>(model.limit.size());
         fields.terms.resize(12 * std::size_t{limits});
         for (std::uint32_t t = 0; t < limits; ++t) fields.term_place[t] = t;
@@ -295,12 +295,12 @@ struct PlanCase {
   cpu::SubstepInput in;
 };
 
-// The fields that a kernel changes, and those that what it writes depends on.
+// The fields that a kernel changes, and those that its output depends on.
 struct Touched {
   model::FieldSet reads, writes;
 };
 
-// Whether another field than `field` changes where all of its numbers are NaN.
+// Whether any field except `field` changes if all numbers of `field` are NaN.
 bool is_read_for_others(Kernel kernel, Field field, const PlanCase& c, cpu::Fields& sound) {
   cpu::Fields fields = c.fields();
   for_each_number(place_of(fields, field, c.model),
@@ -313,8 +313,8 @@ bool is_read_for_others(Kernel kernel, Field field, const PlanCase& c, cpu::Fiel
   return false;
 }
 
-// Whether a number of the field, moved beforehand, comes out as neither what it comes out as else nor what it
-// was moved to.
+// Whether any number of the field, changed beforehand, ends up as neither its usual result nor the changed
+// value.
 bool is_read_for_itself(Kernel kernel, Field field, const PlanCase& c, cpu::Fields& sound) {
   cpu::Fields fields = c.fields();
   for_each_number(place_of(fields, field, c.model), [](float& x) { x += 0.5f; });
@@ -366,14 +366,14 @@ TEST(SubstepPlanOnTheCpu, KernelsTouchNothingElse) {
       SCOPED_TRACE(std::string(name_of(kernel)) + (implicit ? ", implicit" : ", explicit"));
       const model::KernelAccess& access = access_of(kernel);
       const Touched touched = touched_by(kernel, c);
-      EXPECT_EQ(names_of(touched.writes.without(access.writes)), "") << "written, and not in the schedule";
-      EXPECT_EQ(names_of(touched.reads.without(access.reads())), "") << "read, and not in the schedule";
+      EXPECT_EQ(names_of(touched.writes.without(access.writes)), "") << "written, but not in the schedule";
+      EXPECT_EQ(names_of(touched.reads.without(access.reads())), "") << "read, but not in the schedule";
       const auto k = static_cast<std::size_t>(kernel);
       seen_reads[k] = seen_reads[k] | touched.reads;
       seen_writes[k] = seen_writes[k] | touched.writes;
     }
   }
-  // Nothing stands in the schedule that no kernel touches: an access too many is a barrier too many.
+  // The schedule lists nothing that no kernel accesses: a superfluous access is a superfluous barrier.
   for (std::size_t k = 0; k < model::kernel_count; ++k) {
     const model::KernelAccess& access = access_of(static_cast<Kernel>(k));
     SCOPED_TRACE(std::string(access.name));
@@ -382,7 +382,7 @@ TEST(SubstepPlanOnTheCpu, KernelsTouchNothingElse) {
   }
 }
 
-// The vertices whose written numbers change where one vertex has NaN in a field.
+// The vertices whose output changes if one vertex has NaN in a field.
 std::vector<std::uint32_t> reached_from(Kernel kernel, Field field, std::uint32_t vertex, const PlanCase& c) {
   cpu::Fields sound = c.fields(), poisoned = c.fields();
   const Place place = place_of(poisoned, field, c.model);
@@ -405,8 +405,8 @@ std::vector<std::uint32_t> reached_from(Kernel kernel, Field field, std::uint32_
   return reached;
 }
 
-// What a row says is read at a vertex's own item alone, or within its one-ring, is read nowhere else. Sweeps,
-// and that the items of a kernel may run in any order, rest on it.
+// Fields that a row lists as read at the vertex itself, or within its one-ring, are read nowhere else.
+// Sweeps, and running a kernel's items in any order, depend on this.
 TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
   std::size_t own_seen = 0, ring_seen = 0;
   for (const bool implicit : {false, true}) {
@@ -426,7 +426,7 @@ TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
               ++own_seen;
               continue;
             }
-            EXPECT_TRUE(access.ring.has(field)) << "of another vertex";
+            EXPECT_TRUE(access.ring.has(field)) << "read at another vertex";
             EXPECT_NE(std::find(first, last, i), last) << "beyond the one-ring";
             ++ring_seen;
           }
@@ -438,7 +438,7 @@ TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
   EXPECT_GT(ring_seen, 100u);
 }
 
-// The control: ties and contacts reach further, which the same look at them shows.
+// The control: ties and contacts reach further, and the same check shows it.
 TEST(SubstepPlanOnTheCpu, TheReachOfTiesAndContactsIsSeen) {
   struct Far {
     Kernel kernel;
@@ -462,7 +462,7 @@ TEST(SubstepPlanOnTheCpu, TheReachOfTiesAndContactsIsSeen) {
   }
 }
 
-// What a kernel that was added to the schedule alone fails with. `lack` has code of its own, not a row.
+// The error for a kernel that was added only to the schedule. `lack` has its own code instead of a row.
 TEST(SubstepPlanOnTheCpu, AKernelWithoutCodeIsToldWhereItBelongs) {
   try {
     cpu::code_of(Kernel::lack, PlanCase(false).model, model::Rotation::qcp);
@@ -472,7 +472,7 @@ TEST(SubstepPlanOnTheCpu, AKernelWithoutCodeIsToldWhereItBelongs) {
   }
 }
 
-// The check itself: a kernel held against another's row must differ.
+// The control: a kernel compared with another kernel's row must differ.
 TEST(SubstepPlanOnTheCpu, TheCheckSeesWhatIsMissing) {
   const PlanCase c(true);
   const Touched touched = touched_by(Kernel::region, c);

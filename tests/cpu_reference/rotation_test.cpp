@@ -1,4 +1,4 @@
-// The float rotation extraction of kernel/rotation.inc against the SVD in double.
+// The float rotation extraction of kernel/rotation.inc compared with the SVD in double.
 #include "shaders/kernel/rotation.inc"
 
 #include <algorithm>
@@ -52,15 +52,15 @@ Quaterniond to_double(const kernel::Quaternion<float>& q) {
   return Quaterniond(q.w, q.x, q.y, q.z);
 }
 
-// Accurate for small angles too, where the arc cosine of a dot product is not.
+// Accurate for small angles too, unlike the arc cosine of a dot product.
 double angle_between(const Quaterniond& a, const Quaterniond& b) {
   const Quaterniond d = a.conjugate() * b;
   return 2.0 * std::atan2(d.vec().norm(), std::abs(d.w())) * degrees;
 }
 
-// Moments as regions meet them: singular values `s` in any frame at rest, strained by normal deviates of size
-// `strain`, then turned by `jump` degrees since the last substep. The last figures are the worst errors in
-// degrees allowed of `qcp` and of `mueller2016`.
+// Moments as they occur in regions: singular values `s` in any frame at rest, strained by normal deviates of
+// size `strain`, then rotated by `jump` degrees since the last substep. The last numbers are the largest
+// errors, in degrees, allowed for `qcp` and for `mueller2016`.
 struct Category {
   const char* name;
   Vector3d s;
@@ -70,11 +70,11 @@ struct Category {
   double mueller;
 };
 
-// The bounds of qcp are five times what 20,000 samples gave at worst (2.9e-5, and 7e-5 where s2 + s3 is small
-// against s1): a float quaternion is good to 2^-24, which is 7e-6 degrees of angle, and the moment's rounding
-// adds that over (s2 + s3)/s1. Those of mueller2016 are one and a half times the measured worst: eight
-// linearly converging steps. It lags on anisotropic moments, which are what fibre weights make; that is why
-// it is not the default.
+// The bounds for qcp are five times the worst of 20,000 samples (2.9e-5, and 7e-5 if s2 + s3 is small
+// relative to s1): a float quaternion is accurate to 2^-24, which is 7e-6 degrees, and the moment's rounding
+// adds that over (s2 + s3)/s1. Those for mueller2016 are one and a half times the measured worst: eight steps
+// with linear convergence. It lags on anisotropic moments, which fibre weights produce; hence it is not the
+// default.
 const Category categories[] = {
     {"isotropic, 1 degree", {1, 1, 1}, 1, 0.1, 1.5e-4, 0.03},
     {"isotropic, 10 degrees", {1, 1, 1}, 10, 0.1, 1.5e-4, 0.05},
@@ -93,7 +93,7 @@ struct Errors {
   double worst = 0.0;         // degrees
   double mean = 0.0;          // degrees
   double worst_length = 0.0;  // |q| - 1
-  int near_half_turn = 0;     // samples left out
+  int near_half_turn = 0;     // samples skipped
 };
 
 Errors measure(const Category& category, bool mueller) {
@@ -105,22 +105,22 @@ Errors measure(const Category& category, bool mueller) {
     const Matrix3d axes = random.rotation().toRotationMatrix();
     const Matrix3d at_rest = axes * category.s.asDiagonal() * axes.transpose();
     const Matrix3d strain = Matrix3d::Identity() + category.strain * random.matrix();
-    // Any size: the mean region has |A| = 1, others lie powers of ten around it.
+    // Any size: the mean region has |A| = 1, others are powers of ten around it.
     const double size = std::pow(10.0, 3.0 * std::clamp(random.normal(), -2.0, 2.0));
     const kernel::Matrix<float> A =
         to_float(Matrix3d(size * ((turn * last).toRotationMatrix() * strain * at_rest)));
     Matrix3d exact;
     exact << A.xx, A.xy, A.xz, A.yx, A.yy, A.yz, A.zx, A.zy, A.zz;
     const Quaterniond best = cpu_reference::best_rotation(exact, last);
-    // The start and the best rotation are orthogonal quaternions there, and the iteration begins in the wrong
-    // space.
+    // There the start and the best rotation are orthogonal quaternions, and the iteration begins in the wrong
+    // subspace.
     if (angle_between(last, best) > 179.9) {
       ++errors.near_half_turn;
       continue;
     }
     const Quaterniond found = to_double(kernel::extract_rotation<float>(to_float(last), A, mueller));
     const double error = angle_between(found.normalized(), best);
-    if (!(error <= errors.worst)) errors.worst = error;  // a NaN gets in
+    if (!(error <= errors.worst)) errors.worst = error;  // lets a NaN in
     errors.mean += error / samples;
     const double length = std::abs(found.norm() - 1.0);
     if (!(length <= errors.worst_length)) errors.worst_length = length;
@@ -150,8 +150,8 @@ TEST(Rotation, Mueller2016LagsOnAnisotropicMoments) {
   }
 }
 
-// Iterated from frame to frame on the same moment it does arrive: the lag is the eight steps', not the
-// method's.
+// Iterated from frame to frame on the same moment it converges: the lag is due to the eight steps, not the
+// method.
 TEST(Rotation, Mueller2016ArrivesInTheEnd) {
   Random random(5);
   for (int k = 0; k < 200; ++k) {
@@ -163,13 +163,14 @@ TEST(Rotation, Mueller2016ArrivesInTheEnd) {
     kernel::Quaternion<float> q = to_float(last);
     for (int frame = 0; frame < 40; ++frame) q = kernel::extract_rotation<float>(q, to_float(exact), true);
     EXPECT_LT(angle_between(to_double(q).normalized(), turn * last),
-              1e-3);  // float steps end within some 2^-24/(s2 + s3)
+              1e-3);  // float steps stop within about 2^-24/(s2 + s3)
   }
 }
 
-// A hundredth of a degree from a half turn the start holds next to nothing of the answer (a cosine of 9e-5),
-// and each step multiplies that by some 1e5: two still find it. Worst measured 5.6e-5, bound five times that.
-// At half a turn exactly, start and answer are orthogonal, and the rotation may stay for a substep.
+// A hundredth of a degree from a half turn, the start contains almost nothing of the answer (a cosine of
+// 9e-5), and each step multiplies that by about 1e5: two steps still find it. Worst measured 5.6e-5; the
+// bound is five times that. At exactly half a turn, start and answer are orthogonal, and the rotation may
+// stay for a substep.
 TEST(Rotation, QcpTurnsByNearlyHalfATurn) {
   Random random(6);
   for (int k = 0; k < samples; ++k) {
@@ -183,11 +184,11 @@ TEST(Rotation, QcpTurnsByNearlyHalfATurn) {
   }
 }
 
-// A rank-1 moment a b^T says where b goes and nothing about the twist, which is kept: the answer is the
-// nearest rotation to the last that takes b to a. There the quartic has a double root, towards which Newton's
-// steps only halve the distance: 6 of them leave about 0.01 to 0.02 of it, so two inverse iterations
-// leave 1.1e-2 degrees x tan(jump/2), measured, beside the rounding of a root that rounding splits (1.2e-3).
-// The twist alone is never touched by more.
+// A rank-1 moment a b^T determines where b goes but not the twist, which is kept: the answer is the rotation
+// nearest to the last that takes b to a. There the quartic has a double root, to which Newton's steps only
+// halve the distance: 6 steps leave about 0.01 to 0.02 of it, so two inverse iterations leave 1.1e-2 degrees
+// x tan(jump/2), measured, plus the rounding error of a double root (1.2e-3). The twist never changes by
+// more.
 TEST(Rotation, QcpKeepsTheTwistOfARankOneMoment) {
   for (double jump : {0.0, 1.0, 10.0, 30.0, 90.0, 170.0}) {
     Random random(4);
@@ -208,8 +209,8 @@ TEST(Rotation, QcpKeepsTheTwistOfARankOneMoment) {
   }
 }
 
-// Nothing, or less than 2^-40 of what moments are at rest, keeps the rotation to the bit; twice that moves
-// it.
+// A zero moment, or less than 2^-40 of a typical moment at rest, keeps the rotation's bits; slightly more
+// changes it.
 TEST(Rotation, TooSmallAMomentKeepsTheRotation) {
   Random random(7);
   for (bool mueller : {false, true})

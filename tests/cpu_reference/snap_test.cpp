@@ -1,5 +1,5 @@
-// What a device does with denormal numbers must not be seen: a whole solver under flush-to-zero and
-// denormals-are-zero has the same bits, thanks to the snap and to nothing else.
+// The device's treatment of denormals must have no effect: thanks to the snap alone, a whole solver gives the
+// same bits with flush-to-zero and denormals-are-zero.
 #include <memory>
 #include <vector>
 
@@ -13,7 +13,7 @@
 #endif
 
 namespace fascicle::cpu_reference_without_snap {
-enum class Simd;  // cpu_reference::Simd once more
+enum class Simd;  // the same as cpu_reference::Simd
 struct SolverMemory;
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
                                                unsigned threads, Simd simd, SolverMemory* memory);
@@ -27,7 +27,7 @@ namespace {
 
 using cpu_reference::Simd;
 
-// The solver with the snap and without it.
+// The solver with and without the snap.
 struct WithSnap {
   static std::unique_ptr<model::Solver> make(const model::Model& model, Simd simd) {
     return cpu_reference::make_cpu_solver(model, {}, 1, simd);
@@ -40,11 +40,11 @@ struct WithoutSnap {
   }
 };
 
-// Flush-to-zero of results and denormals-are-zero of operands, on this thread while it lives.
+// Sets flush-to-zero for results and denormals-are-zero for operands on this thread, as long as it exists.
 class Flushing {
  public:
   explicit Flushing(bool on) : before_(_mm_getcsr()) {
-    // Bit 15 of MXCSR flushes results, bit 6 takes denormal operands as zero (Intel SDM 1, 10.2.3).
+    // Bit 15 of MXCSR flushes results, bit 6 treats denormal operands as zero (Intel SDM 1, 10.2.3).
     constexpr unsigned flush = 0x8040;
     _mm_setcsr(on ? before_ | flush : before_ & ~flush);
   }
@@ -56,9 +56,9 @@ class Flushing {
   unsigned before_;
 };
 
-// A bar that is pushed once. The motion of its vertices without stiffness, every other one, dies away below
-// the least normal number, 2^-126: a substep leaves a quarter of a velocity, so 100 of them leave 2^-200. The
-// others give the regions something to turn.
+// A bar that is pushed once. Every other vertex has no stiffness, and its motion decays below the smallest
+// normal number, 2^-126: a substep leaves a quarter of a velocity, so 100 of them leave 2^-200. The others
+// give the regions something to rotate.
 template <class Solver>
 std::vector<model::State> states(Simd simd, bool flush) {
   model::Model model = make_model(kuhn_bar(3, 2, 2, 0.25), {.alpha = 0.5f});
@@ -86,7 +86,7 @@ TEST(SnapOfWholeStages, HidesWhetherTheDeviceFlushesDenormals) {
     EXPECT_TRUE(states<WithSnap>(simd, true) == states<WithSnap>(simd, false)) << name_of(simd);
 }
 
-// The control: without the snap it is seen.
+// The control: without the snap the difference is detected.
 TEST(SnapOfWholeStages, WithoutItFlushingIsSeen) {
   for (const Simd simd : {Simd::scalar, Simd::baseline})
     EXPECT_FALSE(states<WithoutSnap>(simd, true) == states<WithoutSnap>(simd, false)) << name_of(simd);
@@ -95,7 +95,8 @@ TEST(SnapOfWholeStages, WithoutItFlushingIsSeen) {
 #else
 
 TEST(SnapOfWholeStages, HidesWhetherTheDeviceFlushesDenormals) {
-  GTEST_SKIP() << "SKIPPED: this CPU is not an x86-64; how to make it flush denormals is not known here";
+  GTEST_SKIP()
+      << "SKIPPED: the CPU is not an x86-64, and this test does not know how to make it flush denormals";
 }
 
 #endif

@@ -1,4 +1,4 @@
-// Runs that several tests of the solvers make.
+// Runs shared by several tests of the solvers.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace fascicle::tests {
 
-// Sways the joints, contracts and twists the muscles and pulls on the forces, each along and about all axes:
+// Moves the joints, contracts and twists the muscles and varies the forces, along and about all axes, so that
 // every path of a random model is used.
 struct Sway {
   TestDrive drive;
@@ -37,7 +37,7 @@ struct Sway {
   }
 };
 
-// How far a free body at rest has gone after 2,000 substeps of 1/600 s, working units.
+// How far a free body at rest moves in 2,000 substeps of 1/600 s, in working units.
 inline double drift_at_rest(const model::Model& model, model::Solver& solver) {
   const model::State before = solver.save();
   TestDrive quiet = quiet_drive(model, 1.0 / 600.0, 20);

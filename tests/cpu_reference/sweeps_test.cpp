@@ -1,5 +1,5 @@
-// Several passes over the body in one: whatever the cut, each reads what the pass before left and nothing
-// else, and the bits are those of stage after stage.
+// Several passes over the body in one sweep: for any partition, each pass reads only what the previous pass
+// wrote, and the bits are those of running stage after stage.
 #include "cpu_reference/solver/sweeps.h"
 
 #include <algorithm>
@@ -27,16 +27,16 @@ using cpu_reference::Slices;
 using cpu_reference::Sweeps;
 using model::Model;
 
-// Stands in for the stages: notes by how many passes each slice's regions are done and its vertices moved,
-// and complains of what comes too early or too late.
+// Replaces the stages: counts the passes done for each slice's regions and vertices, and reports what runs
+// too early or too late.
 struct Watch {
   const Model* model;
-  std::vector<std::uint32_t> regions, vertices;  // of each slice: passes done
+  std::vector<std::uint32_t> regions, vertices;  // passes done, per slice
   std::vector<std::uint32_t> skins;
   std::vector<std::string> faults;
 
-  // That slices of the range have `before` passes behind them in `done`, as have those of their one-rings in
-  // `read`.
+  // Checks that slices of the range have done `before` passes, and that they and their one-rings have done
+  // `read_passes` in `read`.
   void expect(const char* what, Range slices, const std::vector<std::uint32_t>& done, std::uint32_t before,
               const std::vector<std::uint32_t>& read, std::uint32_t read_passes) {
     const auto complain = [&](std::uint32_t i, const std::string& fault) {
@@ -56,7 +56,7 @@ struct Watch {
 };
 Watch* watch = nullptr;
 
-// Which pass a stage is of.
+// The pass that a stage belongs to.
 std::uint32_t pass_of(const cpu_reference::LaneInput& in) {
   return in.step.first_bone;
 }
@@ -67,7 +67,7 @@ void watch_region(const cpu_reference::LaneInput& in, Range slices) {
   for (std::uint32_t s = slices.first; s < slices.last; ++s) ++watch->regions[s];
 }
 
-// Of skinned positions two passes are kept: the older goes once its vertices have moved.
+// Skinned positions of two passes are kept: the older one is reused once its vertices have moved.
 void watch_skin(const cpu_reference::LaneInput& in, Range slices) {
   for (std::uint32_t s = slices.first; s < slices.last; ++s)
     if (watch->skins[s]++ != pass_of(in) || watch->vertices[s] != pass_of(in))
@@ -101,7 +101,7 @@ Watch watched_run(const Model& model, const Sweeps& sweeps, std::uint32_t count,
     if (order == Order::backwards) std::reverse(tiles.begin(), tiles.end());
     for (const Parts& tile : tiles) cpu_reference::run_tile(tile, passes);
   };
-  // By threes, as threads would share them.
+  // In groups of three, as if shared by threads.
   const auto run_all_joints = [&](std::size_t p, Range Part::*which, cpu_reference::LaneStage stage) {
     const std::uint32_t all = cpu_reference::slices_of_joints(sweeps, p, which);
     for (std::uint32_t first = 0; first < all; first += 3)
@@ -118,7 +118,7 @@ Watch watched_run(const Model& model, const Sweeps& sweeps, std::uint32_t count,
   return result;
 }
 
-// Only numbers change: vertex k becomes new_number[k]. For what the stand-ins look at.
+// Changes only numbers: vertex k becomes new_number[k]. Covers only what the replacement stages read.
 Model renumbered(const Model& m, const std::vector<std::uint32_t>& new_number) {
   Model r = m;
   std::vector<std::uint32_t> old_number(m.vertex_count);
@@ -136,7 +136,7 @@ Model renumbered(const Model& m, const std::vector<std::uint32_t>& new_number) {
   return r;
 }
 
-// Neighbours that lie unevenly far: slices' reaches do not ascend by themselves.
+// Neighbours at irregular distances, so that the slices' reaches do not ascend by themselves.
 Model shuffled_bar() {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4, .odd_vertices = true});
   std::vector<std::uint32_t> number(m.vertex_count);
@@ -147,8 +147,8 @@ Model shuffled_bar() {
   return renumbered(m, number);
 }
 
-// Tiles run at the same time: none may read or write what another writes. Each sees exactly what the pass
-// before left, whether all that stand before it are done or all that stand behind it.
+// Tiles run concurrently, so none may read or write what another writes. Each sees exactly the output of the
+// previous pass, whether all tiles before it are done or all tiles after it.
 TEST(Sweeps, DoEveryPassOnceAndReadOnlyThePassBefore) {
   for (const bool shuffled : {false, true}) {
     const Model m = shuffled ? shuffled_bar() : make_bar({.x = 700, .y = 5, .z = 4});
@@ -173,7 +173,7 @@ TEST(Sweeps, DoEveryPassOnceAndReadOnlyThePassBefore) {
   }
 }
 
-// Threads wait for each other after the tiles: what each has to do there is about the same.
+// Threads wait for each other after the tiles, so tiles must contain about the same amount of work.
 TEST(Sweeps, GiveTilesTheSameToDo) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
   const Slices slices = cpu_reference::make_slices(m);
@@ -189,14 +189,14 @@ TEST(Sweeps, GiveTilesTheSameToDo) {
   }
 }
 
-// The check sees what it is there for.
+// The control: joints before their tiles are detected.
 TEST(Sweeps, NeedTheirTilesFirst) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
   const Sweeps sweeps = cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), 2, 0);
   EXPECT_FALSE(watched_run(m, sweeps, 2, Order::joints_first).faults.empty());
 }
 
-// And it would see a tile that goes one slice too far, of whatever pass and at whatever end.
+// The control: a tile that is one slice too wide is detected, in any pass and at either end.
 TEST(Sweeps, AreAsWideAsTheyMayBe) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
   const Sweeps sweeps = cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), 2, 0);
@@ -204,7 +204,7 @@ TEST(Sweeps, AreAsWideAsTheyMayBe) {
   for (std::size_t p = 0; p < sweeps.passes(); ++p)
     for (Range Part::*which : {&Part::regions, &Part::vertices})
       for (const bool back : {false, true}) {
-        // The first pass's regions read across the cut what no tile moves.
+        // Regions of the first pass read across the cut what no tile moves.
         if (p == 0 && which == &Part::regions) continue;
         Sweeps wide = sweeps;
         if (back) {
@@ -223,16 +223,17 @@ TEST(Sweeps, AreAsWideAsTheyMayBe) {
 }
 
 TEST(Sweeps, AreLeftOutWhereTheyWouldNotPay) {
-  // Every region of a plate reaches far: no tile of two has an inside. Of a short bar too little lies inside.
+  // Every region of a plate reaches far, so neither of two tiles has an interior. Tiles of a short bar have
+  // too little.
   const Model plate = make_bar({.x = 2, .y = 40, .z = 40});
   EXPECT_TRUE(cpu_reference::make_sweeps(plate, cpu_reference::make_slices(plate), 2, 0).empty());
   const Model bar = make_bar({.x = 150, .y = 5, .z = 4});
   EXPECT_TRUE(cpu_reference::make_sweeps(bar, cpu_reference::make_slices(bar), 40, 0).empty());
-  // And small ones stay in caches.
+  // Small bodies stay in caches anyway.
   EXPECT_TRUE(cpu_reference::make_sweeps(bar, cpu_reference::make_slices(bar), 2).empty());
 }
 
-// What is between the first pass and the last would not stay in a cache.
+// What is between the first and the last pass would not fit in a cache.
 TEST(Sweeps, TakeFewerPassesOfBodiesThatAreThick) {
   const Model thick = make_bar({.x = 8, .y = 120, .z = 60});
   const Slices slices = cpu_reference::make_slices(thick);
@@ -243,7 +244,7 @@ TEST(Sweeps, TakeFewerPassesOfBodiesThatAreThick) {
   EXPECT_GE(two, 1u);
 }
 
-// Whole sweeps and what is left, less with cuts, a frame with a probe between, and one begun again.
+// Whole sweeps and remainders, shorter ones at cuts, a frame with a probe in between, and a resumed run.
 TEST(Sweeps, OfALargeBodyKeepTheBits) {
   struct Case {
     const char* name;
@@ -264,7 +265,7 @@ TEST(Sweeps, OfALargeBodyKeepTheBits) {
                         Case{"colliders", held, 3}, Case{"implicit", soft, 2}}) {
     Model m = make_bar(c.bar);
     if (m.has_contact()) {
-      // Those of one end, so that the search takes less than the rest.
+      // Only those at one end, so that the search takes less time than the rest.
       m.contact_tetrahedron.resize(4 * std::size_t{600});
       finish_contact(m);
     }

@@ -1,5 +1,5 @@
-// ThreadPool: every item once, whatever the number of threads, also where the system makes fewer than asked
-// for.
+// ThreadPool processes every item once with any number of threads, even if the system creates fewer than
+// requested.
 #include "cpu_reference/solver/thread_pool.h"
 
 #include <atomic>
@@ -24,7 +24,7 @@ namespace {
 
 using cpu_reference::ThreadPool;
 
-// Whether two jobs in a row visit each item of [0, count) exactly once each.
+// Whether two successive jobs visit each item of [0, count) exactly once.
 bool visits_each_once(ThreadPool& pool, std::uint32_t count) {
   std::vector<int> visits(count, 0);
   for (int round = 1; round <= 2; ++round) {
@@ -46,8 +46,8 @@ TEST(ThreadPool, VisitsEachItemOnce) {
   }
 }
 
-// What a pool without workers, or with workers that take nothing, would not pass: each chunk waits, ten
-// seconds at most, until as many are begun as there are threads.
+// A pool without workers, or with idle workers, fails this: each chunk waits, for at most ten seconds, until
+// as many chunks have started as there are threads.
 TEST(ThreadPool, EveryThreadTakesPart) {
   for (const unsigned threads : {2u, 3u, 8u}) {
     ThreadPool pool(threads);
@@ -64,7 +64,7 @@ TEST(ThreadPool, EveryThreadTakesPart) {
   }
 }
 
-// Rounds so short that workers come late, and pauses in which they fall asleep.
+// Rounds so short that workers arrive late, and pauses in which they fall asleep.
 TEST(ThreadPool, VisitsEachItemOnceInManyShortRounds) {
   ThreadPool pool(4);
   std::vector<std::atomic<int>> visits(64);
@@ -86,7 +86,7 @@ TEST(ThreadPool, HasOneThreadOrMoreByDefault) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
 TEST(ThreadPool, GoesOnWithTheThreadsThatCouldBeMade) {
-  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot live with a limit on its address space";
+  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot run with a limit on its address space";
 }
 
 #else
@@ -97,9 +97,9 @@ std::size_t address_space_used() {
   return pages * 4096;
 }
 
-// In a process of its own, as the limit would hold for the rest of the tests. Leaves with 0 if all is well.
+// Runs in its own process, as the limit would affect all later tests. Exits with 0 on success.
 [[noreturn]] void use_a_pool_under_a_limit() {
-  // A thread's stack takes 2 MiB or more, so that 200 MiB hold some threads and not 1,000.
+  // A thread's stack takes 2 MiB or more, so 200 MiB hold some threads but not 1,000.
   const rlim_t limit = address_space_used() + (200u << 20);
   const rlimit space{limit, limit};
   setrlimit(RLIMIT_AS, &space);
@@ -115,7 +115,7 @@ std::size_t address_space_used() {
   std::_Exit(status);
 }
 
-// A solver's arrays come before its threads, which take what is left.
+// A solver's arrays are allocated before its threads, which take what is left.
 [[noreturn]] void make_a_solver_under_a_limit() {
   const rlim_t limit = address_space_used() + (200u << 20);
   const rlimit space{limit, limit};

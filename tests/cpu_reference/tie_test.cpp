@@ -1,6 +1,5 @@
-// Ties: skin that slides. The solvers are the Oracle's formulas; a free body pushes and turns itself by
-// nothing, stays at rest, and does the same wherever it stands; along the flesh skin is free, across it is
-// held.
+// Ties: sliding skin. The solvers match the Oracle's formulas. A free body exerts no net force or torque on
+// itself, stays at rest, and does the same wherever it is. Skin is free along the flesh and held across it.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -50,8 +49,8 @@ model::SolverOptions options_for(const Model& model) {
   return {.integrator = model::Integrator::implicit_step, .iterations = 20};
 }
 
-// Every vertex a little beside its place and with a velocity of its own, the skin a tenth of a tie off its
-// flesh.
+// Displaces every vertex slightly, with a random velocity, and moves the skin off its flesh by a tenth of a
+// tie.
 State shaken(const Model& model, State state, double size) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -68,9 +67,9 @@ TEST(Tie, TheModelKeepsItsPromises) {
   EXPECT_NO_THROW(check_model(bar_with_skin(true)));
 }
 
-// By hand, on a regular tetrahedron: its masses m are the same, the foot lies in the middle, b_j = 1/3, and
-// no other tie is at the corners, so k = 0.5 / (1/m + 3 (1/9)/m) = 3/8 m: the skin goes 3/8 of the way, and
-// each corner a third of that against it.
+// By hand, on a regular tetrahedron: all masses are m, the foot is at the centre, b_j = 1/3, and the corners
+// have no other tie, so k = 0.5 / (1/m + 3 (1/9)/m) = 3/8 m. The skin moves by 3/8 of the error, and each
+// corner by a third of that in the opposite direction.
 TEST(Tie, DrawsBothEndsByHalfOfWhatIsWrongInAll) {
   Model m = make_model(regular_tetrahedron(), {.alpha = 0.0f});
   add_sliding(m, [](const Vector3d& p) { return p.x() > 0.0 && p.y() > 0.0; });
@@ -89,7 +88,7 @@ TEST(Tie, DrawsBothEndsByHalfOfWhatIsWrongInAll) {
     EXPECT_LT((triple(after.positions, i) - (triple(state.positions, i) + wrong / 8.0)).norm(), 1e-6);
 }
 
-// The share of a free body's momenta that 400 substeps change.
+// The relative change of a free body's momenta over 400 substeps.
 double change_of_momentum(const Model& model, model::Solver& solver) {
   const State start = shaken(model, solver.save(), 1e-3);
   solver.load(start);
@@ -100,7 +99,7 @@ double change_of_momentum(const Model& model, model::Solver& solver) {
          before.size;
 }
 
-// Ties without stiffness beside them.
+// The same body with ties but without stiffness.
 Model slack(Model model) {
   std::fill(model.alpha.begin(), model.alpha.end(), 0.0f);
   fill_weights(model);
@@ -115,9 +114,9 @@ Model without_ties(Model model) {
   return model;
 }
 
-// The Oracle's to the rounding of its state to floats, 6e-8, and of the weights. In floats ties alone to 6e-8
-// of each substep's change, which is as large as the momenta themselves; regions add what they do without
-// ties. The control: a tie with half of its counterforce.
+// The Oracle is exact up to rounding its state, 6e-8, and the weights to floats. In float, ties alone are
+// exact to 6e-8 of each substep's change, which is as large as the momenta themselves; regions add the same
+// error as without ties. The control: a tie with half of its counterforce.
 TEST(Tie, AFreeBodyKeepsItsMomentum) {
   Model m = bar_with_skin();
   cpu_reference::Oracle oracle(m, {});
@@ -126,7 +125,7 @@ TEST(Tie, AFreeBodyKeepsItsMomentum) {
   EXPECT_LT(change_of_momentum(m, *make_cpu_solver(m, {}, 1)),
             2.0 * change_of_momentum(without_ties(m), *make_cpu_solver(without_ties(m), {}, 1)));
   const Model implicit = make_implicit(m, 2e4);
-  // To its iterations' tolerance.
+  // Up to the tolerance of the iterations.
   EXPECT_LT(change_of_momentum(implicit, *make_cpu_solver(implicit, options_for(implicit), 1)), 1e-2);
   for (std::uint32_t i = 0; i < m.vertex_count; ++i)
     for (std::uint32_t e = m.tie_offset[i]; e < m.tie_offset[i + 1]; ++e)
@@ -134,7 +133,7 @@ TEST(Tie, AFreeBodyKeepsItsMomentum) {
   EXPECT_GT(change_of_momentum(slack(m), *make_cpu_solver(slack(m), {}, 1)), 1e-2);
 }
 
-// Ties alone to rounding; with regions no more than a body without ties drifts.
+// Ties alone drift only by rounding; with regions, the body drifts no more than one without ties.
 TEST(Tie, ABodyAtRestStaysThere) {
   const Model m = bar_with_skin();
   EXPECT_LT(drift_at_rest(m, *make_cpu_solver(slack(m), {}, 1)), 1e-5);
@@ -144,8 +143,8 @@ TEST(Tie, ABodyAtRestStaysThere) {
   EXPECT_LT(drift_at_rest(implicit, *make_cpu_solver(implicit, options_for(implicit), 1)), 1e-4);
 }
 
-// A quarter turn and a shift by powers of two change no difference of positions: what is left is the order of
-// sums.
+// A quarter turn and a translation by a power of two change no differences of positions; only the order of
+// sums differs.
 TEST(Tie, DoesTheSameWhereverTheBodyStands) {
   for (const Model& m : {bar_with_skin(), make_implicit(bar_with_skin(), 2e4)}) {
     const auto here = make_cpu_solver(m, options_for(m), 1), there = make_cpu_solver(m, options_for(m), 1);
@@ -171,9 +170,9 @@ TEST(Tie, DoesTheSameWhereverTheBodyStands) {
   }
 }
 
-// Metres, of a bar of 0.75 that falls by 0.02 to 1. Rounding, amplified by the regions' rotations: 4e-5 with
-// ties and without. mueller2016 turns once a substep and lags in explicit ones, by 3e-4 with ties and
-// without.
+// Metres, for a bar of 0.75 that falls by 0.02 to 1. Rounding, amplified by the regions' rotations: 4e-5 with
+// and without ties. mueller2016 rotates once a substep and lags in explicit ones, by 3e-4 with and without
+// ties.
 TEST(Tie, FollowsTheOracle) {
   for (const bool implicit : {false, true})
     for (const auto rotation : {model::Rotation::qcp, model::Rotation::mueller2016}) {
@@ -206,8 +205,8 @@ TEST(Tie, LanesAndThreadsHaveTheScalarBits) {
   }
 }
 
-// What draws skin back that was put elsewhere: the change of its momentum in a substep, over its mass and how
-// far away it is put, in 1/h.
+// How strongly displaced skin is pulled back: its change of momentum in a substep, relative to its mass and
+// displacement, in units of 1/h.
 double resistance(const Model& model, const Vector3d& offset) {
   const auto solver = make_cpu_solver(model, options_for(model), 1);
   State state = solver->save();
@@ -227,8 +226,8 @@ double resistance(const Model& model, const Vector3d& offset) {
   return -momentum.dot(offset) / (mass * offset.squaredNorm()) * h;
 }
 
-// Flat skin, so that along and across are two directions. Along, ties do nothing. Without sliding the regions
-// that skin and flesh share draw back.
+// The skin is flat, so along and across are well defined. Ties do nothing along it. Without sliding, regions
+// shared by skin and flesh pull it back.
 TEST(Tie, SkinIsFreeAlongTheFleshAndHeldAcrossIt) {
   const auto is_skin = [](const Vector3d& p) { return p.y() > 0.33; };
   const Mesh mesh = kuhn_bar(6, 3, 4, 0.125);
@@ -245,14 +244,14 @@ TEST(Tie, SkinIsFreeAlongTheFleshAndHeldAcrossIt) {
   for (const double push : {-along, along}) {
     const double held = resistance(sliding, Vector3d(0, push, 0));
     EXPECT_GT(held, 0.5 * resistance(fast, Vector3d(0, push, 0)));
-    // Of two vertices of equal mass each goes a quarter of the way; corners have several ties, and more mass.
+    // Of two vertices of equal mass, each would move by a quarter; corners have several ties and more mass.
     EXPECT_GT(held, 0.2);
     EXPECT_LT(held, 0.5);
   }
 }
 
-// Springs read where the substep begins would feed their own oscillation under BDF2 (sliding-skin.md): a
-// shaken body comes to rest, without any damping but the integrator's.
+// Springs evaluated at the beginning of a substep would amplify their own oscillation under BDF2
+// (sliding-skin.md). A shaken body comes to rest with no damping but the integrator's.
 TEST(Tie, TheImplicitIntegratorFeedsNoOscillation) {
   const Model m = make_implicit(bar_with_skin(), 2e3);
   const auto solver = make_cpu_solver(m, options_for(m), 2);

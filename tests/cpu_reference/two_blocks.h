@@ -1,4 +1,4 @@
-// Two blocks of flesh that are one body, far apart at rest: what the tests of contact throw at each other.
+// Two blocks of flesh in one body, far apart at rest, which the contact tests move into each other.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace fascicle::tests {
 
 struct TwoBlocks {
   model::Model model;
-  std::uint32_t first_of_second = 0;  // vertices from here on are the second block's
+  std::uint32_t first_of_second = 0;  // the second block's vertices start here
   double spacing = 0.0;
 };
 
-// Cells along each axis; the second block stands a metre beyond the first along x.
+// Cells along each axis; the second block is a metre beyond the first along x.
 inline Mesh two_blocks_mesh(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, double spacing,
                             unsigned seed) {
   Mesh mesh = jittered(kuhn_bar(nx, ny, nz, spacing), spacing / 64.0, 5, seed);
@@ -54,7 +54,7 @@ inline model::SolverOptions contact_options(const model::Model& model) {
   return {.integrator = model::Integrator::implicit_step, .iterations = 20};
 }
 
-// The blocks moved into each other, every vertex beside its place and with a velocity of its own.
+// The blocks moved into each other, with every vertex displaced and given a random velocity.
 inline model::State overlapping(const TwoBlocks& blocks, model::State state, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -70,14 +70,14 @@ inline model::State overlapping(const TwoBlocks& blocks, model::State state, uns
   return state;
 }
 
-// Positions and velocities, three numbers a vertex each.
+// Positions and velocities, three numbers each per vertex.
 struct BodyMotion {
   std::vector<float> positions, velocities;
 };
-// What stage contact finds in the first substep from a state on, and what it leaves.
+// The input and output of stage contact in the first substep from a state.
 struct ContactResponse {
   BodyMotion before, after;
-  // What it added to the velocities.
+  // The change of the velocities.
   std::vector<float> gains() const {
     std::vector<float> gained = after.velocities;
     for (std::size_t k = 0; k < gained.size(); ++k) gained[k] -= before.velocities[k];

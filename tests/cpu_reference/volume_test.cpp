@@ -1,5 +1,5 @@
-// The volume term: the kernel is the Oracle's equation; it draws volume back, pushes no free body, keeps the
-// rest shape and stays finite whatever the deformation.
+// The volume term: the kernel matches the Oracle's equation. It restores volume, exerts no force on a free
+// body, keeps the rest shape, and stays finite under any deformation.
 #include "shaders/kernel/volume.inc"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 using model::Model;
 using model::Read;
 
-// What host/build gives a layer of volume 1 and alpha 1.
+// The gain that host/build gives a layer of volume 1 and alpha 1.
 constexpr float full_gain = 3.0f;
 
 class RandomMoments {
@@ -36,7 +36,7 @@ class RandomMoments {
     for (int k = 0; k < 9; ++k) m(k) = normal_(random_);
     return m;
   }
-  // Symmetric, its eigenvalues within a factor of 20.
+  // Symmetric, with eigenvalues within a factor of 20.
   Matrix3d rest() {
     const Matrix3d V = Eigen::Quaterniond(normal_(random_), normal_(random_), normal_(random_), 1.0)
                            .normalized()
@@ -63,8 +63,8 @@ Matrix3d kernel_push(const Matrix3d& A, const Matrix3d& A0, double gain) {
   return V;
 }
 
-// Deformations of all sizes, half of them inverted. Float: x = 1 - J is known to a few roundings of products
-// as large as |A|^3, and V is no larger than the gain.
+// Deformations of all sizes, half of them inverted. In float, x = 1 - J has the error of a few roundings of
+// products as large as |A|^3, and V is no larger than the gain.
 TEST(Volume, KernelIsTheOraclesEquation) {
   RandomMoments moments;
   for (int k = 0; k < 2000; ++k) {
@@ -83,12 +83,12 @@ TEST(Volume, PushIsBoundedByTheGainAndFinite) {
     const Matrix3d A0 = moments.rest();
     const Matrix3d V = kernel_push(std::ldexp(1.0, exponent) * moments.any(), A0, full_gain);
     ASSERT_TRUE(V.allFinite()) << exponent;
-    // |A0^-1| is below its trace.
+    // |A0^-1| is less than its trace.
     EXPECT_LE(V.norm(), 1.0001 * full_gain) << exponent;
   }
 }
 
-// A V^T is symmetric: sum w (q - c) x (V (q0 - c0)) = 0, no torque.
+// A V^T is symmetric: sum w (q - c) x (V (q0 - c0)) = 0, so there is no torque.
 TEST(Volume, PushDoesNotTurn) {
   RandomMoments moments;
   for (int k = 0; k < 200; ++k) {
@@ -98,8 +98,8 @@ TEST(Volume, PushDoesNotTurn) {
   }
 }
 
-// Near rest a region's own volume is moved by gain times what is missing; a region that is flat or inside out
-// is moved towards a positive volume.
+// Near rest, a region's volume is corrected by gain times the missing volume. A flat or inverted region is
+// moved towards positive volume.
 TEST(Volume, PushRestoresTheVolume) {
   RandomMoments moments;
   for (int k = 0; k < 200; ++k) {
@@ -149,7 +149,7 @@ Model held_bar(float beta, float gain, bool both_ends) {
   return model;
 }
 
-// How far the volume of a body at rest in this drive is from that of the rest shape, as a share of it.
+// The relative change of a body's volume from the rest shape, at rest under this drive.
 double strained(const Model& model, double stretch, double gravity) {
   const auto solver = make_cpu_solver(model, {}, 1);
   model::State state = solver->save();
@@ -164,9 +164,9 @@ double strained(const Model& model, double stretch, double gravity) {
   return volume_of(model, solver->save().positions) / volume_of(model, model.rest) - 1.0;
 }
 
-// A bar stretched by a fifth between two walls would have nearly a fifth more volume, and one that hangs from
-// a wall far down more still. Measured with gain 3, at beta 0 and 1: of the first 0.36 and 0.35 remain, of
-// the second 0.27 and 0.26.
+// A bar stretched by a fifth between two walls would gain almost a fifth in volume, and one that hangs far
+// down from a wall even more. Measured with gain 3, at beta 0 and 1: 0.36 and 0.35 of the first gain remain,
+// and 0.27 and 0.26 of the second.
 TEST(Volume, StretchedAndBentBarsAreNearerToTheirVolume) {
   for (const float beta : {0.0f, 1.0f}) {
     const double stretched = strained(held_bar(beta, 0.0f, true), 1.2, 0.0);
@@ -184,8 +184,8 @@ TEST(Volume, StretchedAndBentBarsAreNearerToTheirVolume) {
   }
 }
 
-// As CpuSolver.DampedBarAtRestDoesNotDrift, with the term on: measured 2.2e-5 for 1.5e-5 without, as J rounds
-// too.
+// As CpuSolver.DampedBarAtRestDoesNotDrift, with the volume term: measured 2.2e-5, and 1.5e-5 without, as J
+// is rounded too.
 TEST(Volume, BarAtRestDoesNotDrift) {
   Model model = make_model(kuhn_bar(20, 4, 4, 0.05), {.alpha = 1.0f, .beta = 0.7f, .damping = 12.1});
   add_volume(model, full_gain);
@@ -193,8 +193,8 @@ TEST(Volume, BarAtRestDoesNotDrift) {
   EXPECT_LT(drift_at_rest(model, *solver), 5e-5);
 }
 
-// A free body of which every vertex is put anywhere within a spacing and a half of its place: hundreds of
-// tetrahedra are inside out. It stays finite, no vertex flies away, and once damped none is.
+// Every vertex of a free body is displaced randomly by up to a spacing and a half, so hundreds of tetrahedra
+// are inverted. It stays finite, no vertex flies away, and after damping none is inverted.
 TEST(Volume, ScrambledBodyOpensAgain) {
   for (const float beta : {0.0f, 1.0f}) {
     Model model = make_model(kuhn_bar(8, 4, 4, 0.125), {.alpha = 1.0f, .beta = beta, .damping = 3.0});
@@ -216,8 +216,8 @@ TEST(Volume, ScrambledBodyOpensAgain) {
   }
 }
 
-// Kinetic energy of an undamped free body that was shaken by a thousandth of its spacing, at its largest over
-// 1,000 substeps, over that of the first 100.
+// The largest kinetic energy over 1,000 substeps of an undamped free body shaken by a thousandth of its
+// spacing, relative to that of the first 100.
 double growth(float alpha, float gain) {
   Model model = make_model(jittered(kuhn_bar(8, 3, 3, 0.125), 1.0 / 1024, 8, 5),
                            {.alpha = alpha, .beta = 0.7f, .fibre = {0.6, 0.8, 0}});
@@ -242,8 +242,8 @@ double growth(float alpha, float gain) {
   return largest / first;
 }
 
-// The gains that host/build gives, for the stiffest vertex of 1, 0.3 and 0.14, do not feed the motion; more
-// does, and that is seen.
+// The gains of host/build, if the stiffest vertex is 1, 0.3 and 0.14, do not amplify the motion. The control:
+// a larger gain does.
 TEST(Volume, UndampedMotionDoesNotGrow) {
   EXPECT_LT(growth(1.0f, 0.0f), 1.05);
   EXPECT_LT(growth(1.0f, full_gain), 1.05);

@@ -1,5 +1,5 @@
-// CpuSolver compiled once more with FASCICLE_NO_SNAP. The kernels are templates in headers and the stages
-// have one name each: under their own names this second version would be merged with the first at link time.
+// CpuSolver compiled again with FASCICLE_NO_SNAP. Kernels are templates in headers and stages have fixed
+// names: without renaming, the linker would merge this version with the first.
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
@@ -17,7 +17,7 @@
 #include "cpu_reference/solver/sweeps.cpp"
 #include "cpu_reference/solver/thread_pool.cpp"
 
-// Only the lanes that need no compiler options; those are in without_snap_lanes.cpp.
+// Only the lanes that need no compiler options; the others are in without_snap_lanes.cpp.
 namespace fascicle::cpu_reference {
 const LaneStages* sse4_lane_stages() {
   return nullptr;

@@ -1,4 +1,4 @@
-// The stages in lanes of without_snap.cpp.
+// The lane stages of without_snap.cpp.
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
