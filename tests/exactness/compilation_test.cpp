@@ -1,5 +1,5 @@
-// What the exactness tests rest on: that the flavours of frame_hashes hold all code whose numbers reach a
-// result, compiled as their names say, and that no object with kernel arithmetic holds a fused multiply-add
+// The preconditions of the exactness tests: the flavours of frame_hashes contain all code whose numbers reach
+// a result, compiled with their flags, and no object with kernel arithmetic contains a fused multiply-add
 // (rule 3).
 #include <algorithm>
 #include <cstdlib>
@@ -37,7 +37,7 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-// The last -O of a command is the one that counts.
+// The last -O of a command takes effect.
 std::string optimisation(const std::string& command) {
   std::istringstream words(command);
   std::string last;
@@ -46,7 +46,7 @@ std::string optimisation(const std::string& command) {
   return last;
 }
 
-// The sources, from the project's folder, that a file of a unity build includes; none for any other file.
+// The sources included by a file of a unity build, relative to the project's folder; none for any other file.
 std::vector<std::string> united_sources(const fs::path& file) {
   std::vector<std::string> found;
   if (file.parent_path().filename() != "Unity") return found;
@@ -60,12 +60,12 @@ std::vector<std::string> united_sources(const fs::path& file) {
   return found;
 }
 
-// Every source that turns input into numbers is compiled into every flavour, at the flavour's level.
+// Every source that turns input into numbers is compiled into every flavour at its optimisation level.
 TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
   std::ifstream file(std::string(FASCICLE_BINARY_DIR) + "/compile_commands.json");
   const nlohmann::json commands = nlohmann::json::parse(file);
   const std::vector<std::string> sources = split(FASCICLE_EXACT_SOURCES);
-  // Names that any rule for the list must have brought: one of each kind the numbers pass through.
+  // Files that any correct list contains: one for each step that the numbers pass through.
   const std::set<std::string> listed(sources.begin(), sources.end());
   for (const char* name :
        {"cpu_reference/solver/stages.cpp", "host/build/shares.cpp", "host/build/fibre.cpp",
@@ -91,7 +91,7 @@ TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
   }
 }
 
-// The sources, outside the tests, that hold kernel arithmetic: they include a kernel, or a header that does.
+// Sources outside the tests with kernel arithmetic: they include a kernel, or a header that does.
 std::vector<std::string> kernel_sources() {
   std::vector<std::pair<std::string, std::string>> files;  // path and text
   for (const char* room : {"cpu_reference", "gpu", "host"})
@@ -117,7 +117,7 @@ std::vector<std::string> kernel_sources() {
   return found;
 }
 
-// "cpu_reference/solver/stages.cpp" in .../cpu_reference/solver/CMakeFiles/ROOM.dir/stages.cpp.o, or in
+// Finds "cpu_reference/solver/stages.cpp" as .../cpu_reference/solver/CMakeFiles/ROOM.dir/stages.cpp.o, as
 // .../FLAVOUR.dir/__/__/cpu_reference/solver/stages.cpp.o, or in an object of a unity build.
 std::vector<std::string> objects_of(const std::string& source, const std::string& all) {
   const fs::path path(source);
@@ -140,25 +140,27 @@ int fused_instructions(const std::string& object) {
 TEST(ExactnessFlavours, KernelObjectsHoldNoFusedMultiplyAdd) {
   ASSERT_EQ(run("objdump --version").status, 0) << "objdump is missing (package binutils)";
   const std::vector<std::string> sources = kernel_sources();
-  EXPECT_GE(sources.size(), 4u) << "the CPU's stages, those of contact and the GPU's self-test at least";
+  EXPECT_GE(sources.size(), 4u)
+      << "expected at least the CPU's stages, the contact stages and the GPU's self-test";
   for (const std::string& source : sources) {
     for (const char* objects : {FASCICLE_BUILD_OBJECTS, FASCICLE_NATIVE_OBJECTS}) {
       const std::vector<std::string> of_source = objects_of(source, objects);
-      ASSERT_FALSE(of_source.empty()) << source << " has kernel arithmetic, and no object of it is looked at";
+      ASSERT_FALSE(of_source.empty())
+          << source << " has kernel arithmetic, but none of its objects is checked";
       for (const std::string& object : of_source) {
         ASSERT_TRUE(fs::exists(object)) << object;
         EXPECT_EQ(fused_instructions(object), 0) << object;
       }
     }
-    // The control: the same source, free to contract.
+    // The control: the same source compiled with contraction.
     const std::vector<std::string> contracted = objects_of(source, FASCICLE_CONTRACTED_OBJECTS);
     ASSERT_EQ(contracted.size(), 1u) << source;
     EXPECT_TRUE(!cpu_has_fma() || fused_instructions(contracted[0]) > 0) << "the grep finds nothing at all";
   }
 }
 
-// Code for one set of instructions must not stand in for code that runs everywhere: where two objects hold
-// the same inline function, the linker keeps either.
+// Code for one instruction set must not replace code that runs everywhere: if two objects contain the same
+// inline function, the linker keeps either.
 TEST(ExactnessFlavours, ObjectsInLanesShareNoFunction) {
   const auto shared_functions = [](const std::string& object) {
     return std::atoi(run("nm --defined-only '" + object + "' | grep -c ' [WVu] '").text.c_str());
@@ -166,7 +168,7 @@ TEST(ExactnessFlavours, ObjectsInLanesShareNoFunction) {
   for (const char* level : {"baseline", "sse4", "avx2", "avx512"}) {
     const std::string source = std::string("cpu_reference/solver/lane_stages_") + level + ".cpp";
     const std::vector<std::string> objects = objects_of(source, FASCICLE_BUILD_OBJECTS);
-    ASSERT_EQ(objects.size(), 1u) << source << " must be an object of its own";
+    ASSERT_EQ(objects.size(), 1u) << source << " must be compiled into exactly one object";
     EXPECT_FALSE(objects[0].find("/Unity/") != std::string::npos) << objects[0];
     EXPECT_EQ(shared_functions(objects[0]), 0) << objects[0];
   }

@@ -1,11 +1,11 @@
-// The same bits whatever must not matter: every built-in scene, a surface mesh and a walking man are stepped
-// by programs that differ in it, and every frame's hashes of positions, velocities and surface are compared
-// with the release build's scalar stages on one thread.
+// Bits do not depend on anything they should not: every built-in scene, a surface mesh and a walking man are
+// stepped by programs and devices that differ, and each frame's hashes of positions, velocities and surface
+// are compared with those of the release build's scalar stages on one thread.
 //
-// The cost is the lavapipe runs (8 times a CPU run each) and the bodies that are built at -O0 (a minute
-// each). To stay within four minutes on two cores bars run 120 frames, the largest of them 60, and characters
-// 20; large bodies are not built at -O0, and those that only bring bears into contact are left out. `do soak`
-// runs everything for a minute of the scene's time.
+// The cost is the lavapipe runs (8 times a CPU run each) and the bodies built at -O0 (a minute each). To stay
+// within four minutes on two cores, bars run 120 frames, the largest of them 60, and characters 20; large
+// bodies are not built at -O0, and scenes that only add contact between bears are skipped. `do soak` runs
+// everything for a minute of scene time.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr int characters_frames = 20;
 
-// FASCICLE_EXACTNESS_FRAMES shortens or lengthens all runs.
+// FASCICLE_EXACTNESS_FRAMES sets the number of frames of all runs.
 bool soaks() {
   return std::getenv("FASCICLE_EXACTNESS_FRAMES") != nullptr;
 }
@@ -48,12 +48,12 @@ class Runs {
 
   Runs(std::string scene, int frames) : scene_(std::move(scene)), frames_(frames) {
     reference_ = hashes("", "frame_hashes", {"cpu:1:scalar"}, frames_).at(0);
-    // The motion moves: a scene whose frames are all alike would compare nothing.
+    // The body must move: identical frames would prove nothing.
     EXPECT_EQ(std::count(reference_.begin(), reference_.end(), '\n'), frames_) << scene_;
     EXPECT_NE(positions_in_line(0), positions_in_line(frames_ - 1)) << scene_;
   }
 
-  // The devices of one run share the model that it builds: building takes longer than stepping.
+  // The devices of one run share a model, as building takes longer than stepping.
   void expect_same(const std::string& what, const std::string& environment, const std::string& program,
                    const Devices& devices) const {
     const std::vector<std::string> found = hashes(environment, program, devices, frames_);
@@ -69,9 +69,9 @@ class Runs {
     Devices threads = levels;
     threads.push_back("cpu:8");
     expect_same("levels and threads", "", "frame_hashes", threads);
-    // The release build, the reference here, is -O2. Lanes are one source for all levels, so that -O0 has the
-    // widest ones and none. At -O0 a large body takes a minute to build; outside a soak only small ones have
-    // it.
+    // The reference, the release build, is -O2. All levels of lanes come from one source, so -O0 runs only
+    // the widest lanes and none. At -O0 a large body takes a minute to build, so outside a soak only small
+    // ones are built.
     if (soaks() || builds_quickly()) expect_same("-O0", "", "frame_hashes_O0", {"cpu:2", "cpu:2:scalar"});
     expect_same("-O3 -march=native", "", "frame_hashes_O3_native", levels);
     expect_same("C library without FMA and AVX2", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA",
@@ -82,7 +82,7 @@ class Runs {
     expect_same("Vulkan, 256-bit lavapipe", "LP_NATIVE_VECTOR_WIDTH=256", "frame_hashes", {"vulkan:0"});
   }
 
-  // The first of `frames` lines where two outputs differ, or nothing.
+  // The first of `frames` lines in which two outputs differ; empty if none does.
   static std::string first_difference(const std::string& a, const std::string& b, int frames) {
     std::istringstream lines_a(a), lines_b(b);
     std::string line_a, line_b;
@@ -94,7 +94,7 @@ class Runs {
     return "";
   }
 
-  // What a run prints, device by device.
+  // The output of a run, per device.
   std::vector<std::string> hashes(const std::string& environment, const std::string& program,
                                   const Devices& devices, int frames) const {
     std::string command = environment + " " + FASCICLE_BINARY_DIR + "/" + program + " '" + scene_ + "' " +
@@ -112,7 +112,7 @@ class Runs {
         by_device.back() += line + "\n";
       }
     }
-    // A run that ended early has printed nothing of the others.
+    // A run that ended early printed nothing for the remaining devices.
     by_device.resize(devices.size());
     return by_device;
   }
@@ -144,7 +144,7 @@ bool vulkan_is_there() {
   return run(std::string(FASCICLE_BINARY_DIR) + "/frame_hashes bar-hang-none 1 vulkan:0").status == 0;
 }
 
-// The CPU is compared first, so that a test skipped here has compared that.
+// The CPU runs are compared first, so a test skipped here has compared those.
 #define FASCICLE_NEEDS_VULKAN()                                                                       \
   if (!vulkan_is_there()) {                                                                           \
     if (std::getenv("FASCICLE_REQUIRE_VULKAN"))                                                       \
@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Exactness, testing::ValuesIn(scene_names()), []
   return name;
 });
 
-// A folder that goes when the test ends.
+// A temporary folder, removed when the test ends.
 class Folder {
  public:
   Folder() {
@@ -199,8 +199,9 @@ class Folder {
   fs::path path_;
 };
 
-// The mesher, three layers by distance from bones, and an embedded surface: docs/examples/bunny.toml, but for
-// the mesh's place and its 60 substeps, of which 6 give the same code the same work in a tenth of the time.
+// The mesher, three layers by distance from bones, and an embedded surface. It is docs/examples/bunny.toml
+// with another path to the mesh and 6 instead of 60 substeps, which runs the same code in a tenth of the
+// time.
 TEST(ExactnessRealInputs, Bunny) {
   const fs::path mesh = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(mesh);
@@ -224,7 +225,7 @@ TEST(ExactnessRealInputs, Bunny) {
   runs.all_vulkan();
 }
 
-// A skeleton, its clip, skinning, weights carried inside, and a moving origin; coarse, for the same code in a
+// A skeleton, its clip, skinning, interior weights, and a moving origin; coarse, to run the same code in a
 // fifth of the time.
 TEST(ExactnessRealInputs, WalkingMan) {
   const fs::path man = asset("CesiumMan.glb");
@@ -239,8 +240,8 @@ TEST(ExactnessRealInputs, WalkingMan) {
   runs.all_vulkan();
 }
 
-// A control: a build in which the compiler may contract a*b+c must be told apart. Without it the comparisons
-// above could pass because nothing they vary has any effect.
+// The control: a build in which the compiler may contract a*b+c is detected. Otherwise the comparisons above
+// could pass because nothing they vary has any effect.
 TEST(ExactnessControl, ContractionIsSeen) {
   if (run("grep -qw fma /proc/cpuinfo").status != 0)
     GTEST_SKIP() << "SKIPPED: this CPU has no fused multiply-add, contraction cannot be planted";

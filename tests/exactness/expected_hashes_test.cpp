@@ -1,9 +1,9 @@
-// What every built-in scene and every character of ../shared/assets came to, as hashes that are kept: a
-// change that should change no result changes none of them.
+// The results of every built-in scene and every character of ../shared/assets, as stored hashes: a change
+// that should not affect results must not change any of them.
 //
-// expected_hashes.txt has a line a scene: its name, frames, and the hashes of positions, velocities and
-// surface that frame_hashes prints for the last of them. A change that means to change results writes it
-// anew:
+// expected_hashes.txt has a line per scene: its name, its number of frames, and the hashes of positions,
+// velocities and surface that frame_hashes prints for the last frame. A change meant to change results
+// rewrites the file:
 //   FASCICLE_WRITE_HASHES=1 build/release/test_exactness --gtest_filter='All/ExpectedHashes.*'
 #include <cstdlib>
 #include <filesystem>
@@ -30,7 +30,7 @@ const fs::path table_file = fs::path(FASCICLE_SOURCE_DIR) / "tests/exactness/exp
 const std::string asset_prefix = "assets/";
 
 struct Row {
-  std::string name;  // of a built-in scene, or assets/FILE
+  std::string name;  // a built-in scene, or assets/FILE
   int frames = 0;
   std::string hashes;
 };
@@ -78,8 +78,8 @@ TEST_P(ExpectedHashes, AreWhatTheyWere) {
   const std::string found = hashes_of(row);
   if (!writes_table()) {
     EXPECT_EQ(found, row.hashes) << row.name << ", frame " << row.frames
-                                 << ": if the change means to change results, write " << table_file
-                                 << " anew, as this test's first lines say, and say so in CHANGELOG.md";
+                                 << ": if this change is meant to change results, rewrite " << table_file
+                                 << " as described at the top of this test, and mention it in CHANGELOG.md";
     return;
   }
   std::ifstream in(table_file);
@@ -100,7 +100,7 @@ std::string test_name(const testing::TestParamInfo<Row>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(All, ExpectedHashes, testing::ValuesIn(table()), test_name);
 
-// A scene that nobody entered is not compared.
+// A scene without a row would not be compared.
 TEST(ExpectedHashesTable, HoldsEverySceneAndEveryCharacter) {
   std::set<std::string> rows;
   for (const Row& row : table()) rows.insert(row.name);
@@ -114,7 +114,7 @@ TEST(ExpectedHashesTable, HoldsEverySceneAndEveryCharacter) {
     }
 }
 
-// The control: scenes that differ in one number have hashes of their own.
+// The control: different scenes have different hashes.
 TEST(ExpectedHashesTable, TellsScenesApart) {
   std::map<std::string, std::string> name_of;
   for (const Row& row : table()) {

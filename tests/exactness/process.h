@@ -1,4 +1,4 @@
-// Commands that the exactness tests run.
+// Commands run by the exactness tests.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 namespace fascicle::tests {
 
 struct Output {
-  int status = 0;    // as of pclose; 0: all well
+  int status = 0;    // of pclose; 0 means success
   std::string text;  // stdout and stderr
 };
 

@@ -1,5 +1,5 @@
-// Each barrier that a solver records is left out alone, and someone must notice: the validation layer, which
-// looks across submissions here too, or where it does not look, WatchedCommands.
+// Omits each recorded barrier in turn. Each omission must be detected by the validation layer, here with
+// checks across submissions, or, in the layer's blind spots, by WatchedCommands.
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
@@ -63,7 +63,7 @@ const Body bodies[] = {
 class Barriers : public ValidatedTest {
  protected:
   void SetUp() override {
-    // The layer takes these from the environment alone. It says the same ten times at most unless told.
+    // The layer reads these only from the environment. By default it reports a duplicate at most ten times.
     setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 1);
     setenv("VK_LAYER_DUPLICATE_MESSAGE_LIMIT", "1000000000", 1);
     ValidatedTest::SetUp();
@@ -74,7 +74,7 @@ class Barriers : public ValidatedTest {
   }
 };
 
-// A solver and what can be asked of it.
+// A solver with its device, messages and recorded commands.
 struct Trial {
   Trial(std::uint32_t device_index, const Body& of)
       : model(make_bar(of.bar)),
@@ -96,14 +96,14 @@ struct Trial {
     watched.expect_solver();
     solver = gpu::make_experimental_solver(*device, model, options, {.limits = limits});
   }
-  // Frame k of the motion, whatever came before.
+  // Frame k of the motion, independent of earlier frames.
   void submit(std::uint64_t k, model::Read what = all_results, bool with_probe = false) {
     BarMotion motion(model, 2, has_cuts);
     Unheard probe;
     solver->submit(motion.drive(k), what, with_probe ? &probe : nullptr);
   }
 
-  WatchedCommands watched;  // first: the device is opened under its eyes
+  WatchedCommands watched;  // first, to watch the device being opened
   std::vector<std::string> messages;
   model::Model model;
   model::SolverOptions options;
@@ -141,17 +141,18 @@ const Action actions[] = {
     {"make a solver", nothing, [](Trial& t) { t.make(); }},
 };
 
-// Those between dispatches that only WatchedCommands misses: the layer takes two writes of one buffer for
-// writes of different places, does not see that a shader that writes a buffer reads it too, and does not know
-// that the host reads.
+// Barriers between dispatches whose omission only WatchedCommands detects: the layer assumes that two writes
+// to one buffer go to different places, ignores that a shader that writes a buffer may also read it, and does
+// not know about reads by the host.
 const std::set<std::string> unseen_by_layer{"contact | collide", "contact_yield | obstruct",
                                             "limit | collide", "copy to the host | "};
 
-// Those that no one misses: the schedule counts the two buffers of skinned places as one, of which rebase
-// moves one and skin writes the other. Where a frame is not cut here, this is the barrier before region.
+// Barriers whose omission nothing detects: the schedule treats the two buffers of skinned positions as one,
+// but rebase moves one and skin writes the other. In frames without a cut, this is the barrier before region.
 const std::set<std::string> spare{"rebase | skin"};
 
-// Submissions begin with a barrier, whatever they do. It must be missed in one of those that begin alike.
+// Every submission begins with a barrier. Its omission must be detected in at least one submission of each
+// kind.
 std::string kind_of(const WatchedBarrier& opening) {
   return opening.after + " | " + (opening.before.starts_with("copy") ? opening.before : "dispatch");
 }
@@ -162,7 +163,7 @@ TEST_F(Barriers, LeftOutAloneAreEachMissed) {
   std::map<std::string, bool> openings;  // of each kind, whether one was missed
   for (const Body& body : bodies) {
     Trial trial(*index, body);
-    // What is seen while an action runs without the barrier, and a frame after it; then all is waited for.
+    // Records what is detected during an action without the barrier and the frame after it; then waits.
     const auto run = [&](const Action& action, std::optional<std::size_t> left_out) {
       action.prepare(trial);
       trial.messages.clear();
@@ -177,7 +178,7 @@ TEST_F(Barriers, LeftOutAloneAreEachMissed) {
     std::set<std::string> known;
     for (const Action& action : actions) {
       const std::string where = std::string(body.name) + ", " + action.name + ": ";
-      run(action, std::nullopt);  // the first frame of a solver has more to write
+      run(action, std::nullopt);  // the first frame of a solver writes more
       const std::size_t count = run(action, std::nullopt);
       for (const std::string& message : trial.messages) ADD_FAILURE() << where << message;
       for (const std::string& hazard : trial.watched.hazards()) ADD_FAILURE() << where << hazard;
@@ -188,10 +189,10 @@ TEST_F(Barriers, LeftOutAloneAreEachMissed) {
         const std::string label = barriers[k].label();
         EXPECT_FALSE(barriers[k].after.empty()) << where << "two barriers in a row";
         EXPECT_FALSE(barriers[k].before.empty() && !barriers[k].is_to_host)
-            << where << label << "a barrier that nothing follows";
+            << where << label << "a barrier with nothing after it";
         const bool is_opening = label.starts_with("start");
         const std::string kind = kind_of(barriers[k]);
-        // Those to the host are recorded in several places.
+        // Barriers to the host are recorded in several places.
         if (is_opening ? openings[kind]
                        : !known.insert(barriers[k].is_to_host ? action.name + label : label).second)
           continue;

@@ -39,8 +39,8 @@ TEST(Check, ThrowsTheCallsText) {
   }
 }
 
-// A device is refused that binds fewer buffers than the largest kernel uses: the number must be that
-// kernel's.
+// A device that binds fewer buffers than the largest kernel uses is refused, so the limit must be that
+// kernel's number.
 TEST(PhysicalDevice, MostBuffersOfAKernelIsTheLargestKernels) {
   std::size_t most = 0;
   for (const std::string_view name : shader::module_names())
@@ -50,12 +50,12 @@ TEST(PhysicalDevice, MostBuffersOfAKernelIsTheLargestKernels) {
 
 class OpenDevice : public VulkanTest {};
 
-// Whatever is handed in, the device computes the same: its own bytes are used, others are left alone.
+// Whatever cache it is given, the device computes the same: it uses its own data and ignores other data.
 TEST_F(OpenDevice, TakesPipelinesOfAnEarlierRunAndLeavesOthersAlone) {
   gpu::Device first(*index);
   ASSERT_TRUE(first.self_test());
   const std::string own = first.pipelines();
-  ASSERT_GE(own.size(), 32u) << "not even a header";
+  ASSERT_GE(own.size(), 32u) << "shorter than a header";
   EXPECT_EQ(first.info().pipelines_key.size(), 48u);
   std::string of_another_driver = own;
   of_another_driver[20] = static_cast<char>(of_another_driver[20] + 1);  // in the driver's UUID

@@ -1,4 +1,4 @@
-// The controls of the exactness rules, on whole stages.
+// Controls of the exactness rules, on whole stages.
 #include <string>
 
 #include <gtest/gtest.h>
@@ -35,17 +35,18 @@ spirv_exact::Words without_the_pass(gpu::StageKernel kernel, spirv_exact::Module
   return read_raw_module(std::string(name_of(kernel)));
 }
 
-// Needs a compiler that does reassociate; Mesa's is known to.
+// Needs a compiler that reassociates; Mesa's is known to.
 TEST_F(Exactness, RegionWithoutNoContractionDiffers) {
   const bool is_software = gpu::Device(*index).info().software;
   ASSERT_TRUE(is_software || !vulkan_is_required()) << "this control needs a software device";
-  if (!is_software) GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: this driver need not reorder anything";
+  if (!is_software) GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: this driver may not reorder anything";
   const auto difference = difference_with(*index, gpu::StageKernel::region, without_the_pass);
   ASSERT_TRUE(difference);
   EXPECT_EQ(difference->where.stage, model::Stage::region);
 }
 
-// The same harness with nothing altered finds nothing: the difference above is the missing decoration's.
+// The same setup without the alteration finds no difference, so the one above is due to the missing
+// decoration.
 TEST_F(Exactness, RegionWithThePassDoesNot) {
   const auto difference =
       difference_with(*index, gpu::StageKernel::region, [](gpu::StageKernel kernel, spirv_exact::Module) {

@@ -1,4 +1,4 @@
-// Vulkan calls that fail half-way through opening a device: what was made before is destroyed.
+// If a Vulkan call fails while a device is opened, everything created before is destroyed.
 #include <cstring>
 #include <string>
 
@@ -11,8 +11,8 @@
 namespace fascicle::tests {
 namespace {
 
-// volk's entry points as they were, and what went through those put in their place. Vulkan's calls take no
-// context, so there is one.
+// volk's original entry points, and the calls counted by their replacements. Vulkan's calls take no context
+// of ours, so this is a singleton.
 struct Faults {
   PFN_vkGetInstanceProcAddr of_instance = nullptr;
   PFN_vkGetDeviceProcAddr of_device = nullptr;
@@ -66,7 +66,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_of_instance(VkInstance instance,
 
 class Failures : public VulkanTest {
  protected:
-  // Looking for a device has loaded Vulkan.
+  // Searching for a device has loaded Vulkan.
   void SetUp() override {
     VulkanTest::SetUp();
     if (!index) return;
@@ -95,7 +95,7 @@ class Failures : public VulkanTest {
   }
 };
 
-// The control: both counters see what an ordinary end destroys.
+// The control: both counters register what is normally destroyed.
 TEST_F(Failures, NoneDestroysEachOnce) {
   EXPECT_EQ(message({}), "opened");
   EXPECT_EQ(faults().devices_destroyed, 1);

@@ -1,4 +1,4 @@
-// What the GPU room computes on the host: the sliced one-rings and the pace of submissions.
+// Host-side computations of the GPU room: the sliced one-rings and the pace of submissions.
 #include <bit>
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ void expect_rings_of(const model::Model& m) {
 
 TEST(SlicedRings, HoldEachOneRingInOrder) {
   const model::Model m = make_bar({.x = 7, .y = 3, .z = 5, .odd_vertices = true});
-  ASSERT_NE(m.vertex_count % shader::slice_width, 0u) << "the last slice should be a short one";
+  ASSERT_NE(m.vertex_count % shader::slice_width, 0u) << "the last slice should be incomplete";
   EXPECT_TRUE(gpu::is_near(m));
   expect_rings_of(m);
 }
@@ -49,7 +49,7 @@ TEST(SlicedRings, HoldNeighboursFarAwayAndWholeShares) {
   far.share_given[3] = 1.0f;
   EXPECT_FALSE(gpu::is_near(far));
   expect_rings_of(far);
-  // A bar with sides so wide that neighbours lie 33,489 vertices apart.
+  // A bar with sides so wide that neighbours are 33,489 vertices apart.
   const model::Model wide = make_bar({.x = 3, .y = 183, .z = 183});
   EXPECT_FALSE(gpu::is_near(wide));
   expect_rings_of(wide);
@@ -62,9 +62,9 @@ TEST(SubmissionPace, KeepsSubmissionsUnder100Milliseconds) {
   EXPECT_LE(static_cast<double>(pace.slices_per_submission()) * 1e6, 100e6);
   for (int k = 0; k < 100; ++k) pace.learn(1000, 1000 * 1e3);
   EXPECT_LE(static_cast<double>(pace.slices_per_submission()) * 1e3, 100e6);
-  EXPECT_GT(pace.slices_per_submission(), 10'000u) << "a faster device was never believed";
+  EXPECT_GT(pace.slices_per_submission(), 10'000u) << "the pace did not adapt to a faster device";
   pace.learn(1000, 1000 * 1e9);
-  EXPECT_EQ(pace.slices_per_submission(), 1u) << "a slice of a second must go alone, but go";
+  EXPECT_EQ(pace.slices_per_submission(), 1u) << "a slice that takes a second must be submitted alone";
 }
 
 TEST(SubmissionPace, DoesNotLearnFromSmallSubmissions) {

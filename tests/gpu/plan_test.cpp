@@ -1,5 +1,5 @@
-// What the compiled shaders touch, held against the schedule. Barriers come from the schedule, so an access
-// that it does not know is a race.
+// Compares what the compiled shaders access with the schedule. Barriers come from the schedule, so an access
+// missing there is a race.
 #include <map>
 #include <set>
 #include <string>
@@ -21,9 +21,9 @@ struct Bindings {
   std::set<std::uint32_t> read, written, exchanged;
 };
 
-// The bindings that loads, stores and atomic exchanges of a module go to.
+// The bindings accessed by the loads, stores and atomic exchanges of a module.
 Bindings bindings_in(spirv_exact::Module module) {
-  std::map<std::uint32_t, std::uint32_t> binding_of;  // of a variable, and of what chains begin at it
+  std::map<std::uint32_t, std::uint32_t> binding_of;  // of variables, and of access chains based on them
   Bindings bindings;
   for (const spirv_exact::Instruction& i : spirv_exact::instructions_of(module)) {
     if (i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationBinding)
@@ -52,7 +52,7 @@ std::set<std::string> names_of(model::FieldSet set) {
   return names;
 }
 
-// Those of the bindings that are fields.
+// The names of the bindings that are fields.
 std::set<std::string> names_of(const std::set<std::uint32_t>& bindings) {
   std::set<std::string> names;
   for (const model::FieldTraits& row : model::field_rows)
@@ -71,7 +71,7 @@ TEST(SubstepPlanOnTheGpu, ShadersTouchWhatTheScheduleSays) {
   }
 }
 
-// Everything that a shader writes is a field: no barrier is asked for by a buffer that the schedule has not.
+// Shaders write only fields: the schedule cannot place barriers for other buffers.
 TEST(SubstepPlanOnTheGpu, ShadersWriteFieldsOnly) {
   std::set<std::uint32_t> fields;
   for (const model::FieldTraits& row : model::field_rows) fields.insert(row.buffer);

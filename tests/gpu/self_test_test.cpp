@@ -29,15 +29,16 @@ TEST_F(SelfTest, ADifferenceIsNamed) {
   EXPECT_EQ(difference.find("row 3, scalar operation 8:"), 0u) << difference;
 }
 
-// The control of the pass: without NoContraction Mesa's compiler reassociates. On other drivers the shader
-// may come out the same by luck, so this holds for software devices only.
+// The control of the pass: without NoContraction, Mesa's compiler reassociates. On other drivers the shader
+// may happen to give the same bits, so this requires a software device.
 TEST_F(SelfTest, WithoutNoContractionTheBitsDiffer) {
   gpu::Device device(*index);
   ASSERT_TRUE(device.info().software || !vulkan_is_required()) << "this control needs a software device";
   if (!device.info().software)
-    GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: " << device.info().name << " need not reorder anything";
+    GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: " << device.info().name << " may not reorder anything";
   const std::vector<float> exact = gpu::run_self_test(device.impl(), shader::module_of("self_test"), {});
-  EXPECT_EQ(gpu::first_self_test_difference(exact), "") << "NoContraction alone should keep the bits here";
+  EXPECT_EQ(gpu::first_self_test_difference(exact), "")
+      << "NoContraction alone should preserve the bits here";
   const std::vector<float> loose = gpu::run_self_test(device.impl(), read_raw_module("self_test"), {});
   EXPECT_NE(gpu::first_self_test_difference(loose), "");
 }

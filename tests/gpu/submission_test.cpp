@@ -1,5 +1,5 @@
-// How work is cut into submissions and dispatches, and how many frames are under way: counted, and without an
-// effect on bits. With limits of a real device the small bodies of tests would never be cut.
+// How work is split into submissions and dispatches, and how many frames are in flight: counted, and checked
+// to have no effect on bits. With the limits of a real device, the tests' small bodies would never be split.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -22,8 +22,8 @@ namespace {
 constexpr model::Read all_but_skinned{.positions = true, .velocities = true, .surface = true};
 
 struct Counts {
-  std::vector<std::uint64_t> slices;  // of each submission
-  std::vector<std::uint32_t> groups;  // of each dispatch
+  std::vector<std::uint64_t> slices;  // per submission
+  std::vector<std::uint32_t> groups;  // per dispatch
   std::size_t slots = 0;
 
   gpu::Experiments watching(gpu::SubmissionLimits limits = {}) {
@@ -36,7 +36,7 @@ struct Counts {
 
 class Submissions : public VulkanTest {
  protected:
-  // 385 vertices: 13 slices a stage, the last of them a short one.
+  // 385 vertices: 13 slices a stage, the last one incomplete.
   const model::Model model =
       make_bar({.x = 11, .y = 7, .z = 5, .skeleton = true, .muscle = true, .forces = true, .ties = true});
   static constexpr std::uint64_t slices_of_stage = 13;
@@ -57,7 +57,7 @@ class Submissions : public VulkanTest {
         ASSERT_EQ(ours.surface, reference.surface) << "frame " << k;
       }
     }
-    // And stage by stage, where a stage is cut too.
+    // The same stage by stage, where stages are split too.
     const auto vulkan = gpu::make_experimental_solver(device, model, {}, experiments);
     const auto fresh = cpu_reference::make_cpu_solver(model, {}, 1);
     BarMotion motion(model, 2);
@@ -82,7 +82,7 @@ TEST_F(Submissions, HoldNoMoreSlicesThanAllowedAndKeepTheBits) {
   Counts counts;
   expect_bits_of_cpu(counts.watching({.slices_per_submission = 7}));
   EXPECT_EQ(*std::max_element(counts.slices.begin(), counts.slices.end()), 7u);
-  // Four frames of 3 substeps and 3 stages alone have 468 slices.
+  // Four frames of 3 substeps with just 3 stages have 468 slices.
   EXPECT_GE(counts.slices.size(), 468u / 7u);
 }
 
@@ -99,8 +99,8 @@ TEST_F(Submissions, OfOneSliceEachKeepTheBits) {
   EXPECT_EQ(*std::max_element(counts.slices.begin(), counts.slices.end()), 1u);
 }
 
-// Workgroups of several slices, neighbours read several at a time, and a model whose neighbours do not fit 16
-// bits: none of it is in a bit of the result, nor where a stage is cut.
+// Workgroups of several slices, reading several neighbours at a time, and neighbours that do not fit into 16
+// bits have no effect on bits, even where a stage is split.
 TEST_F(Submissions, OfAnyTuningKeepTheBits) {
   for (const gpu::Tuning tuning : {gpu::Tuning{64, 2}, gpu::Tuning{128, 4}, gpu::Tuning{96, 7}}) {
     Counts counts;
@@ -109,7 +109,7 @@ TEST_F(Submissions, OfAnyTuningKeepTheBits) {
     expect_bits_of_cpu(experiments);
     EXPECT_GT(counts.groups.size(), 468u * shader::slice_width / tuning.group_size / 3);
   }
-  // And iterate, which only the implicit integrator has, in dispatches without a probe.
+  // Also iterate, which only the implicit integrator has, in dispatches without a probe.
   const model::Model implicit = make_bar({.x = 11, .y = 7, .z = 5, .implicit = true});
   const model::SolverOptions options{.integrator = model::Integrator::implicit_step, .iterations = 4};
   gpu::Device device(*index);
@@ -128,7 +128,7 @@ TEST_F(Submissions, OfAnyTuningKeepTheBits) {
 TEST_F(Submissions, OfNeighboursThatAreNotNearKeepTheBits) {
   ASSERT_TRUE(gpu::is_near(model));
   model::Model far = model;
-  // A region that takes all of a vertex, and gives it nothing back: a share of 1 has no 16 bits.
+  // A region takes all of a vertex and gives nothing back: a share of 1 does not fit into 16 bits.
   far.share_given[0] = 1.0f;
   ASSERT_FALSE(gpu::is_near(far));
   gpu::Device device(*index);
@@ -141,7 +141,7 @@ TEST_F(Submissions, OfNeighboursThatAreNotNearKeepTheBits) {
   }
 }
 
-// Frames that nobody collects do not pile up on the device; they are kept, in order.
+// Uncollected frames do not pile up on the device; they are kept in order.
 TEST_F(Submissions, OnlySoManyFramesAreUnderWayAndTheOrderStays) {
   Counts counts;
   gpu::Device device(*index);
@@ -174,7 +174,7 @@ TEST(BufferPlan, CountsFramesInFlightAgainstTheMemory) {
   EXPECT_NO_THROW(gpu::check_plan(plan, 0, info));
   try {
     gpu::check_plan(plan, 1000, info);
-    FAIL() << "1,000 bytes more than there are";
+    FAIL() << "accepted 1,000 bytes more than available";
   } catch (const gpu::DeviceError& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find(std::to_string(info.memory + 1000) + " bytes (1000 of them for frames in flight)"),
@@ -183,8 +183,8 @@ TEST(BufferPlan, CountsFramesInFlightAgainstTheMemory) {
   }
 }
 
-// The program cannot be given an experiment by accident: nothing that is shipped knows the header but the
-// file that defines it.
+// Experiments cannot be used by accident: in shipped code, only the file that defines them includes the
+// header.
 TEST(Experiments, AreKnownToTheSolverAndToTestsOnly) {
   const std::filesystem::path root = FASCICLE_SOURCE_DIR;
   std::vector<std::string> including;

@@ -1,5 +1,4 @@
-// A device for a test that the Khronos validation layer looks at. Without the layer the test is skipped,
-// loudly.
+// A device for tests with the Khronos validation layer. Without the layer, tests are skipped with a message.
 #pragma once
 
 #include <string>
@@ -13,16 +12,16 @@ namespace fascicle::tests {
 
 class ValidatedTest : public VulkanTest {
 #if defined(__SANITIZE_ADDRESS__)
-  // The layer keeps memory when it is unloaded.
+  // The layer leaks memory when it is unloaded.
   const __lsan::ScopedDisabler layer_leaks_{};
 #endif
 
  protected:
   void SetUp() override {
 #if defined(__SANITIZE_THREAD__)
-    // The layer is compiled without the sanitizer, which then does not see how its threads wait for each
-    // other, and reports that one frees what another has just unlocked.
-    GTEST_SKIP() << "SKIPPED: the layer's own threads are reported by the thread sanitizer";
+    // The layer is compiled without the sanitizer, which therefore does not see how the layer's threads
+    // synchronise, and reports that one frees what another has just unlocked.
+    GTEST_SKIP() << "SKIPPED: the thread sanitizer reports the layer's own threads";
 #endif
     VulkanTest::SetUp();
     if (!index) return;

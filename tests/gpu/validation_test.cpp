@@ -1,4 +1,4 @@
-// The Khronos validation layer with synchronization validation looks on.
+// Runs under the Khronos validation layer with synchronization validation.
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// A Vulkan device for a test. Where there is none a test is skipped, loudly; with FASCICLE_REQUIRE_VULKAN=1,
-// as in CI, it fails.
+// A Vulkan device for tests. Without one, tests are skipped with a message; with FASCICLE_REQUIRE_VULKAN=1,
+// as in CI, they fail.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class VulkanTest : public testing::Test {
     std::string why;
     index = usable_device(why);
     if (index) return;
-    if (vulkan_is_required()) FAIL() << "FASCICLE_REQUIRE_VULKAN=1, and there is no usable device: " << why;
+    if (vulkan_is_required()) FAIL() << "FASCICLE_REQUIRE_VULKAN=1 but no usable device: " << why;
     GTEST_SKIP() << "NO VULKAN DEVICE, nothing was tested: " << why;
   }
   std::optional<std::uint32_t> index;

@@ -90,7 +90,7 @@ const Case cases[] = {
     {"one_tetrahedron_strip", {.x = 2, .y = 2, .z = 2}},
 };
 
-// Few iterations: each of them is compared.
+// Few iterations, as each of them is compared.
 model::SolverOptions options_of(const Case& c) {
   return {.integrator = c.bar.implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step,
           .rotation = c.rotation,
@@ -99,7 +99,7 @@ model::SolverOptions options_of(const Case& c) {
 
 class VulkanSolver : public VulkanTest, public testing::WithParamInterface<Case> {};
 
-// The reason for the room: every stage of every substep has the CPU's bits.
+// The central requirement: every stage of every substep has the CPU's bits.
 TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
   const Model m = make_bar(GetParam().bar);
   check_model(m);
@@ -177,9 +177,8 @@ TEST_F(VulkanSolverOf, LoadForgetsFramesInFlight) {
   EXPECT_THROW(solver->collect(), std::logic_error);
 }
 
-// More slices than the first submission may hold (SubmissionPace's first guess is 1,562 on a software device,
-// 50,000 on others), so that stages are cut; and more than one frame's worth of substeps in a submission
-// would allow.
+// More slices than the first submission can hold (SubmissionPace starts with 1,562 on a software device and
+// 50,000 on others), so that on a software device stages are split.
 TEST_F(VulkanSolverOf, LargeMeshIsCutIntoSubmissionsAndKeepsItsBits) {
   const Model m = make_bar({.x = 60, .y = 31, .z = 31, .surface = false});
   gpu::Device device(*index);
@@ -194,23 +193,23 @@ TEST_F(VulkanSolverOf, LargeMeshIsCutIntoSubmissionsAndKeepsItsBits) {
   }
 }
 
-// Only the sizes are looked at before anything is made, so the arrays may be hollow.
+// Only sizes are checked before anything is created, so most arrays can be empty.
 TEST_F(VulkanSolverOf, RefusesAModelOverTheBufferLimitWithTheNumbers) {
   gpu::Device device(*index);
   const std::uint64_t limit = device.info().max_storage_buffer_range;
-  const std::uint64_t vertices = limit / 48 + 1;  // the transform of a vertex has 48 bytes
+  const std::uint64_t vertices = limit / 48 + 1;  // a vertex's transform has 48 bytes
   const bool is_too_large = vertices > 30'000'000;
   ASSERT_FALSE(is_too_large && vulkan_is_required())
       << "this test needs a device that binds less than " << limit;
   if (is_too_large)
     GTEST_SKIP() << "SKIPPED, NOT TESTED: this device binds " << limit
-                 << " bytes, a mesh beyond that is too large for a test";
+                 << " bytes, and a larger mesh is too large for a test";
   Model m;
   m.vertex_count = static_cast<std::uint32_t>(vertices);
   m.ring_offset.resize(vertices + 1);
   try {
     gpu::make_vulkan_solver(device, m, {});
-    FAIL() << "a model of " << vertices << " vertices was taken";
+    FAIL() << "a model of " << vertices << " vertices was accepted";
   } catch (const gpu::DeviceError& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("transform"), std::string::npos) << what;

@@ -13,7 +13,7 @@ WatchedCommands*& WatchedCommands::watching() {
   return one;
 }
 
-// In place of Vulkan's own.
+// Replacements for Vulkan's functions.
 struct WatchedCommands::Entries {
   static WatchedCommands& self() { return *watching(); }
 
@@ -40,7 +40,7 @@ struct WatchedCommands::Entries {
                                                       const VkAllocationCallbacks* allocation,
                                                       VkBuffer* buffer) {
     const VkResult made = self().calls_.create_buffer(device, info, allocation, buffer);
-    // A handle may be that of a buffer which is gone.
+    // A handle may be reused after its buffer was destroyed.
     self().uses_.erase(*buffer);
     self().of_host_.erase(*buffer);
     if (info->usage == VK_BUFFER_USAGE_TRANSFER_DST_BIT) self().of_host_.insert(*buffer);
@@ -78,7 +78,7 @@ struct WatchedCommands::Entries {
     self().did(name);
     self().reads(from, name);
     if (is_for_host)
-      self().uses_[to].to_host = name;  // each to a place of its own
+      self().uses_[to].to_host = name;  // each goes to a different place
     else
       self().writes(to, name);
     self().calls_.copy(commands, from, to, count, regions);
@@ -160,7 +160,7 @@ void WatchedCommands::start(std::optional<std::size_t> left_out) {
 
 void WatchedCommands::did(const std::string& name) {
   const auto add = [&](std::string& list) {
-    // Copies in a row and dispatches of one kernel are one.
+    // Successive copies, and successive dispatches of one kernel, count as one.
     if (list == name || list.ends_with(", " + name)) return;
     if (!list.empty()) list += ", ";
     list += name;
@@ -189,7 +189,7 @@ void WatchedCommands::on_dispatch() {
   const std::string name(access.name);
   did(name);
   dispatched_.insert(name);
-  // Parts of one dispatch need not wait for each other, so all reads come before all writes.
+  // Invocations of one dispatch need not wait for each other, so all reads come before all writes.
   std::vector<VkBuffer> written;
   for (const auto& [binding, buffer] : sets_.at(set_)) {
     const auto field = std::find_if(std::begin(model::field_rows), std::end(model::field_rows),

@@ -1,9 +1,9 @@
-// What a solver asks of Vulkan, seen on its way: each barrier between what it parts, and the hazards that are
-// left if one of them is not passed on. It goes by the tables of host/model/stages.h, and knows what the
-// validation layer (1.3.239) does not look at:
-//   the host reads, which takes a barrier to the host beside the fence;
-//   what a fence has been waited for is done, but not yet seen by later submissions;
-//   a shader that may write a buffer may read it too, and two that write it may write the same place.
+// Intercepts a solver's Vulkan calls: each barrier with the commands before and after it, and the hazards
+// that appear if one barrier is not forwarded. It uses the tables of host/model/stages.h and checks what the
+// validation layer (1.3.239) does not:
+//   reads by the host need a barrier to the host in addition to the fence;
+//   work waited for by a fence is complete, but not yet visible to later submissions;
+//   a shader that may write a buffer may also read it, and two that write it may write the same place.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace fascicle::tests {
 
-// Of one barrier, within its command buffer: what was recorded since the one before, and until the next.
+// One barrier within its command buffer: what was recorded since the previous one, and until the next one.
 struct WatchedBarrier {
   std::string after, before;
   bool is_to_host = false;
@@ -28,28 +28,28 @@ struct WatchedBarrier {
 
 class WatchedCommands {
  public:
-  // Devices that are opened while this lives are watched; there is one at a time. Vulkan must be loaded.
+  // Watches devices that are opened during its lifetime; only one instance at a time. Vulkan must be loaded.
   WatchedCommands();
   ~WatchedCommands();
   WatchedCommands(const WatchedCommands&) = delete;
   WatchedCommands& operator=(const WatchedCommands&) = delete;
 
-  // The solver's pipelines are the next ones made, in the order of the schedule's kernels.
+  // The next pipelines created are the solver's, in the order of the schedule's kernels.
   void expect_solver() { pipelines_made_ = 0; }
 
-  // Barriers are counted from here on; the one of this number is not passed on.
+  // Starts counting barriers; the one with this number is not forwarded.
   void start(std::optional<std::size_t> left_out = std::nullopt);
   const std::vector<WatchedBarrier>& barriers() const { return barriers_; }
-  // Since start(): accesses that do not wait for those that they conflict with.
+  // Since start(): accesses that do not wait for conflicting ones.
   const std::vector<std::string>& hazards() const { return hazards_; }
-  // The schedule's kernels that were dispatched, by name.
+  // The names of the schedule's kernels that were dispatched.
   const std::set<std::string>& dispatched() const { return dispatched_; }
 
  private:
   struct Use {
-    std::optional<std::string> written;  // since the last barrier, by what
-    std::set<std::string> read;          // the same, and since the host last waited
-    std::optional<std::string> to_host;  // copied to the host since the last barrier to it
+    std::optional<std::string> written;  // by which kernel or copy, since the last barrier
+    std::set<std::string> read;          // since the last barrier and since the host last waited
+    std::optional<std::string> to_host;  // copied to the host since the last barrier to the host
   };
   struct Calls {
     PFN_vkGetDeviceProcAddr of_device = nullptr;
@@ -84,7 +84,7 @@ class WatchedCommands {
   std::string since_barrier_;
   bool is_after_barrier_ = false, is_under_way_ = false;
   std::map<VkBuffer, Use> uses_;
-  std::set<VkBuffer> of_host_;  // which the host reads
+  std::set<VkBuffer> of_host_;  // read by the host
   std::map<VkDescriptorSet, std::map<std::uint32_t, VkBuffer>> sets_;
   std::map<VkPipeline, std::uint32_t> kernels_;
   std::uint32_t pipelines_made_ = 0;
