@@ -36,7 +36,7 @@ TEST(Bake, ResultsGoToStdoutAndSayHowToLook) {
     EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "bake" / file)) << file;
   const json manifest = manifest_of(folder.path() / "bake");
   EXPECT_EQ(manifest.at("status"), "complete");
-  EXPECT_EQ(manifest.at("frames"), 6);  // 0.1 s at 60 a second
+  EXPECT_EQ(manifest.at("frames"), 6);  // 0.1 s at 60 fps
   EXPECT_EQ(manifest.at("position_hashes").size(), 7u);
 }
 
@@ -156,7 +156,7 @@ TEST(Bake, WritesNoFormatWhereThatIsSaid) {
     arguments.insert(arguments.end(), {"-o", folder / name, "--end", "0.05", "--device", "cpu"});
     return fascicle(arguments);
   };
-  // Of the default scene too, which writes two formats where nothing is said.
+  // Also for the default scene, which otherwise writes two formats.
   const Outcome none = bake("none", {"--format", "none"});
   ASSERT_EQ(none.status, 0) << none.err;
   EXPECT_TRUE(manifest_of(folder.path() / "none").at("formats").empty());
@@ -179,7 +179,8 @@ TEST(Bake, WritesNoFormatWhereThatIsSaid) {
   }
 }
 
-// tests/bake/durability_test.cpp cuts the power; this is the program itself, with checkpoints by the clock.
+// tests/bake/durability_test.cpp simulates power cuts; this checks the program itself, with timed
+// checkpoints.
 TEST(Bake, IsWrittenInASafeOrder) {
   if (const std::string without = why_no_strace(); !without.empty())
     GTEST_SKIP() << "SKIPPED, NOT TESTED: " << without;
@@ -193,7 +194,7 @@ TEST(Bake, IsWrittenInASafeOrder) {
        wrong_orders(calls, folder / "out", [](const std::string&, bool) { return true; }))
     wrong += one + "\n";
   EXPECT_EQ(wrong, "");
-  // The frames go after the manifest that says so.
+  // The frames are removed only after the manifest that says so is written.
   const auto is_last = [&](DiskCall::Kind kind, const std::string& to) {
     const auto found = std::find_if(calls.rbegin(), calls.rend(), [&](const DiskCall& call) {
       return call.kind == kind && (kind == DiskCall::Kind::rename ? call.to : call.path) == to;
@@ -231,7 +232,7 @@ TEST(Bake, ResumeOfAnotherBakeIsBadInput) {
   EXPECT_EQ(outcome.status, 3) << outcome.err;
 }
 
-// 7,200 substeps, so that the bake is far from its end when the signal comes.
+// 7,200 substeps, so the bake is far from its end when the signal arrives.
 const std::vector<std::string> long_bake{
     "bake",     "bar-hang-none", "--end",    "2",  "--set", "solver.substeps=60",
     "--device", "cpu",           "--format", "pc2"};
@@ -272,7 +273,7 @@ TEST(Bake, InterruptedAndResumedIsAsIfNeverStopped) {
   }
 }
 
-// The program is stopped while both signals are sent, so that it cannot finish its frame between them.
+// The program is stopped while both signals are sent, so it cannot finish a frame between them.
 TEST(Bake, SecondSignalEndsItAtOnce) {
   const TemporaryFolder folder;
   Program program({"bake", "bar-layers-iii", "-o", folder / "bake", "--device", "cpu"});
@@ -293,7 +294,7 @@ TEST(Bake, DryRunWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "bake"));
 }
 
-// So light a body that the force's acceleration is beyond the floats.
+// The body is so light that the force's acceleration overflows floats.
 TEST(Bake, LeavingTheFiniteNumbersIsFive) {
   const TemporaryFolder folder;
   write_text(folder / "heavy.toml",

@@ -1,5 +1,5 @@
-// fascicle batch as a user runs it: every bake is the one that `fascicle bake` makes, and a batch that was
-// stopped goes on to the same bytes.
+// fascicle batch as a user runs it: every bake equals that of `fascicle bake`, and a stopped batch resumes to
+// the same bytes.
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -53,7 +53,7 @@ TEST(Batch, MakesWhatBakeMakesOnSeveralDevices) {
     EXPECT_TRUE(contains(outcome.out, row.at("job").get<std::string>())) << outcome.out;
     EXPECT_TRUE(contains(outcome.out, row.at("last_position_hash").get<std::string>())) << outcome.out;
   }
-  // Its folders hold bakes now.
+  // Its folders now contain bakes.
   const Outcome again = fascicle({"batch", list});
   EXPECT_EQ(again.status, 2);
   EXPECT_TRUE(contains(again.err, "--resume")) << again.err;
@@ -70,7 +70,7 @@ TEST(Batch, InterruptedAndResumedIsAsIfNeverStopped) {
   wait_for_file(program, folder.path() / "out/bar-0.6/manifest.json");
   program.send(SIGINT);
   const Outcome stopped = program.wait();
-  // On a machine that is fast enough it may have been done before.
+  // On a fast machine it may have finished before.
   if (stopped.status != 0) {
     ASSERT_EQ(stopped.status, 75) << stopped.err;
     EXPECT_TRUE(contains(stopped.err, "--resume")) << stopped.err;
@@ -97,7 +97,7 @@ TEST(Batch, KilledIsResumedAtOnce) {
 
 TEST(Batch, OneFailureDoesNotEndTheOthers) {
   const TemporaryFolder folder;
-  // Too light for the force on it: it leaves the finite numbers in its first frame.
+  // Too light for the force on it: it becomes non-finite in its first frame.
   write_text(folder / "light.toml",
              "[bar]\nsize = [4e-9, 1e-9, 1e-9]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 0.001\n"
              "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
@@ -113,7 +113,7 @@ TEST(Batch, OneFailureDoesNotEndTheOthers) {
   EXPECT_EQ(summary_of(folder).at(1).at("status"), "done");
 }
 
-// The first line of the bake's own log follows the last foreign words, which have no end of line.
+// The last foreign line has no newline, so the first line of the bake's own log follows it directly.
 TEST(Batch, PassesOnLinesThatAreNotItsOwn) {
   const TemporaryFolder folder;
   const std::string list = list_in(folder, "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.2\"]\n");
@@ -158,7 +158,7 @@ TEST(Batch, RefusesBeforeItBegins) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 
-// Side by side each is the bake that it is alone. They take longer than it takes to see that one has begun.
+// Parallel bakes equal those run alone. They run long enough for the overlap to be observed.
 TEST(Batch, BakesAtOnceAsOneAfterTheOther) {
   const TemporaryFolder folder;
   const std::string list = list_in(folder,

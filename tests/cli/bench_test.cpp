@@ -1,4 +1,4 @@
-// fascicle bench as a user runs it, and how two of its results are compared. No time is judged here.
+// fascicle bench as a user runs it, and how two of its results are compared. Times are not judged here.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -53,7 +53,7 @@ TEST(Bench, WritesEveryRowOnceWithItsNumbers) {
   EXPECT_TRUE(contains(again.out, ", 1 thread: median x ")) << again.out;
 }
 
-// A link in the place of a result is replaced; what it names stays.
+// A symbolic link at the result's path is replaced; its target is unchanged.
 TEST(Bench, WritesThroughNoLink) {
   const TemporaryFolder folder;
   std::ofstream(folder / "kept") << "kept";
@@ -67,7 +67,7 @@ TEST(Bench, WritesThroughNoLink) {
   EXPECT_TRUE(json::accept(read_text(folder / "a.json")));
 }
 
-// The same bar as the mesher fills it, and a row of its own in a comparison.
+// The same bar filled by the mesher has its own row in a comparison.
 TEST(Bench, TimesAFilledBarTooAndTellsItFromARegularOne) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.json";
@@ -79,7 +79,8 @@ TEST(Bench, TimesAFilledBarTooAndTellsItFromARegularOne) {
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].at("mesh"), "regular");
   EXPECT_EQ(rows[1].at("mesh"), "filled");
-  EXPECT_NEAR(rows[1].at("vertices").get<double>(), 600.0, 300.0);  // a wish, which the mesher meets roughly
+  EXPECT_NEAR(rows[1].at("vertices").get<double>(), 600.0,
+              300.0);  // only a target, which the mesher meets roughly
   EXPECT_NE(rows[0].at("vertices"), rows[1].at("vertices"));
   const Outcome again =
       fascicle({"bench", "--vertices", "600", "--meshes", "filled", "--rounds", "1", "--threads", "1",
@@ -89,7 +90,7 @@ TEST(Bench, TimesAFilledBarTooAndTellsItFromARegularOne) {
   EXPECT_EQ(fascicle({"bench", "--meshes", "round"}).status, 2);
 }
 
-// Of a Vulkan device: its copies, its bytes and its stages stand beside the times.
+// For a Vulkan device, copies, bytes and stages are listed with the times.
 TEST(Bench, CountsAVulkanDevicesBytesAgainstItsCopies) {
   NEEDS_VULKAN();
   const TemporaryFolder folder;
@@ -102,7 +103,7 @@ TEST(Bench, CountsAVulkanDevicesBytesAgainstItsCopies) {
     const std::string device = row.at("device");
     EXPECT_EQ(row.at("solver"), "vulkan");
     EXPECT_FALSE(results.at("machine").at("gpus").at(device).get<std::string>().empty());
-    // By definition; the file's numbers are whole.
+    // By definition; the file's numbers are not rounded.
     EXPECT_DOUBLE_EQ(row.at("triad_fraction").get<double>(),
                      row.at("bytes_per_vertex_substep").get<double>() /
                          row.at("ns_per_vertex_substep").get<double>() /
@@ -145,7 +146,7 @@ TEST(Bench, OnlyWhatMovedAsAWholeIsCalledSlower) {
   const auto before = cli::read_bench_json(folder / "before.json");
   EXPECT_EQ(compare_bench(results_of({112, 125, 140}), before).slower, 1u);
   EXPECT_TRUE(contains(compare_bench(results_of({112, 125, 140}), before).text, "SLOWER"));
-  // The median of a disturbed run, or its best sample, alone says nothing.
+  // The median of a disturbed run, or its best sample, proves nothing by itself.
   EXPECT_EQ(compare_bench(results_of({100, 180, 190}), before).slower, 0u);
   EXPECT_EQ(compare_bench(results_of({115, 116, 117}), before).slower, 0u);
   EXPECT_TRUE(contains(compare_bench(results_of({80, 81, 82}), before).text, "faster"));
@@ -164,7 +165,7 @@ TEST(Bench, TheBarHasAboutTheVerticesAskedFor) {
   for (const std::uint32_t vertices : {300U, 5000U, 19000U}) {
     const cli::BenchBody body = cli::bench_body(vertices, model::Integrator::explicit_step);
     EXPECT_EQ(body.grid[0] * body.grid[1] * body.grid[2], body.model.vertex_count);
-    // Neighbouring sizes (k+1)^2 (5k+1) lie within a factor of 1.75 from k = 3 on.
+    // From k = 3 on, neighbouring sizes (k+1)^2 (5k+1) are within a factor of 1.75.
     EXPECT_NEAR(static_cast<double>(body.model.vertex_count) / vertices, 1.0, 0.4);
   }
 }

@@ -1,4 +1,4 @@
-// A GLB file that says something else than it did.
+// Changes to GLB files.
 #pragma once
 
 #include <cstdint>

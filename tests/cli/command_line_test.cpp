@@ -1,4 +1,4 @@
-// The executable's surface: help, errors and their exit status, the commands that only print, the log.
+// The executable's interface: help, errors and their exit codes, the commands that only print, the log.
 #include <map>
 #include <sstream>
 #include <string>
@@ -20,7 +20,7 @@ std::vector<std::string> lines(const std::string& text) {
   return found;
 }
 
-// One line on stderr that says what is wrong, nothing on stdout.
+// One line on stderr that names the error, nothing on stdout.
 void expect_error(const Outcome& outcome, int status, const std::string& part) {
   EXPECT_EQ(outcome.status, status) << outcome.err;
   EXPECT_EQ(outcome.out, "");
@@ -83,7 +83,7 @@ TEST(CommandLine, BadUsageIsTwo) {
   expect_error(fascicle({"inspect", "bar-hang-none", "--model", "out.stl"}), 2, ".vtu");
 }
 
-// A scene that loads as it stands makes a wrong --set the command line's fault.
+// The scene itself loads, so a bad --set is an error of the command line.
 TEST(CommandLine, BadOverrideIsTwoAndNamesTheNearestKey) {
   expect_error(fascicle({"inspect", "bar-hang-none", "--set", "layers.body.alfa=0.5"}), 2, "alpha");
   expect_error(fascicle({"inspect", "bar-hang-none", "--set", "layers.body.alpha=4.1"}), 2, "alpha");
@@ -103,7 +103,7 @@ TEST(CommandLine, BrokenSceneFileIsThreeAndNamesItsLine) {
 
 TEST(CommandLine, NoSuchDeviceIsFour) {
   expect_error(fascicle({"bake", "bar-hang-none", "--dry-run", "--device", "vulkan:77"}), 4, "");
-  // A loader that finds no driver: the CPU still bakes, and vulkan is said to be missing.
+  // With a loader that finds no driver, the CPU still bakes and vulkan is reported as missing.
   const std::vector<std::string> no_driver{"VK_ICD_FILENAMES=/nonexistent.json",
                                            "VK_DRIVER_FILES=/nonexistent.json"};
   expect_error(fascicle({"bake", "bar-hang-none", "--dry-run", "--device", "vulkan"}, no_driver), 4,
@@ -122,7 +122,7 @@ TEST(CommandLine, ScenesAreListedAndPrinted) {
     EXPECT_TRUE(contains(list.out, scene.name));
   EXPECT_TRUE(contains(list.out, "(default)"));
 
-  // What is printed is a scene file of the same content.
+  // The output is a scene file with the same content.
   const Outcome one = fascicle({"scenes", "bar-hang-along"});
   EXPECT_EQ(one.status, 0);
   const TemporaryFolder folder;
@@ -153,7 +153,7 @@ TEST(CommandLine, DevicesNamesTheCpuAndEveryVulkanDevice) {
   for (const nlohmann::json& device : devices.at("vulkan")) {
     EXPECT_TRUE(contains(text.out, device.at("name").get<std::string>()));
     EXPECT_GT(device.at("max_storage_buffer_range").get<std::uint64_t>(), 0u);
-    // Either it is exact, or something says why it is not.
+    // It is either exact or comes with a reason why not.
     EXPECT_NE(device.at("exact").get<bool>(), !device.at("why_not").get<std::string>().empty());
   }
 }
@@ -164,7 +164,7 @@ TEST(CommandLine, QuietSaysNothing) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_NE(outcome.out, "");
-  // Errors are said all the same.
+  // Errors are still reported.
   expect_error(fascicle({"inspect", "bar-hang-nome", "-q"}), 3, "bar-hang-none");
 }
 
@@ -191,7 +191,7 @@ TEST(CommandLine, JsonLogIsOneObjectALine) {
   EXPECT_EQ(nlohmann::json::parse(lines(usage.err).back())["level"], "error");
 }
 
-// stderr is a file here: no bar, no colour, with NO_COLOR or without.
+// stderr is a file here: no progress bar and no colour, with or without NO_COLOR.
 TEST(CommandLine, NoEscapesAndNoCarriageReturnsOffTheTerminal) {
   for (const char* variable : {"NO_COLOR=1", "NO_COLOR="}) {
     const TemporaryFolder folder;
@@ -206,7 +206,7 @@ TEST(CommandLine, NoEscapesAndNoCarriageReturnsOffTheTerminal) {
 }
 
 TEST(CommandLine, ResultsThatCannotBeWrittenAreAnError) {
-  // The shell only to send stdout to a full device.
+  // Uses the shell only to redirect stdout to a full device.
   const std::string command = std::string(FASCICLE_PROGRAM) + " schema >/dev/full 2>/dev/null";
   const int status = std::system(command.c_str());
   EXPECT_EQ(status, 1 << 8);

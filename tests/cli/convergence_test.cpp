@@ -1,4 +1,4 @@
-// fascicle validate --converged: what it measures is what two bakes are apart.
+// fascicle validate --converged measures the distance between two bakes.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr std::size_t pc2_header = 32;
 
-// Positions of all frames but frame 0, from surface.pc2.
+// Positions of all frames except frame 0, from surface.pc2.
 std::vector<float> positions_of(const std::string& scene, const std::vector<std::string>& options) {
   const TemporaryFolder folder;
   std::vector<std::string> arguments{"bake",     scene, "-o",       folder / "bake",
@@ -63,7 +63,7 @@ TEST(Convergence, IsTheDistanceOfTwoBakes) {
   const std::vector<float> exact = bake(steps(reference, "substeps"), steps(reference, "iterations"));
   for (const json& quality : result.at("qualities")) {
     const double rms = quality.at("rms_m").get<double>();
-    // A file's positions are floats in metres, of some 0.1 m: rounded at 4e-9 m, while final is 1e-6 m away.
+    // Positions in the file are floats in metres, about 0.1 m and so rounded at 4e-9 m; final is 1e-6 m away.
     EXPECT_NEAR(rms_distance(bake(steps(quality, "substeps"), steps(quality, "iterations")), exact) / rms,
                 1.0, 1e-2)
         << quality.dump();
@@ -85,7 +85,7 @@ TEST(Convergence, FinerQualitiesAreNearerAndTheScenesOwnIsMarked) {
   EXPECT_EQ(scenes, 1);
   EXPECT_EQ(result.at("frames"), 6);
 
-  // A scene that states its substeps has a line of its own.
+  // A scene with its own substeps gets its own line.
   const json stated =
       measured("rod-cantilever", {"--frames", "2", "--set=solver.substeps=2", "--set=solver.iterations=4"});
   ASSERT_EQ(stated.at("qualities").size(), 4u);

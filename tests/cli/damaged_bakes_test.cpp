@@ -1,4 +1,4 @@
-// What a bake keeps may be damaged. Whoever reads it later says which file, and what to do.
+// If files of a bake are damaged, whatever reads them later names the file and says what to do.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -28,7 +28,7 @@ void expect_bad_input(const Outcome& outcome, const std::string& file) {
   EXPECT_TRUE(contains(outcome.err, "bake again") || contains(outcome.err, "--overwrite")) << outcome.err;
 }
 
-// One bake for all tests of a scene; each test has a copy.
+// One bake per scene for all tests; each test gets a copy.
 class DamagedBake : public testing::Test {
  protected:
   static std::vector<std::string> bake_command(const std::string& scene, const std::string& folder) {
@@ -60,7 +60,7 @@ json& primitive(json& document) {
   return document["meshes"][0]["primitives"][0];
 }
 
-// A blend shape that the clip turns off and the bind pose has: exports then skin each vertex by hand.
+// A blend shape that is on in the bind pose and off in the clip, so that exports skin each vertex themselves.
 void give_shape(json& document) {
   primitive(document)["targets"] = {{{"POSITION", primitive(document)["attributes"]["POSITION"]}}};
   document["meshes"][0]["weights"] = {1.0};
@@ -89,7 +89,7 @@ struct CharacterDamage {
 
 const std::vector<CharacterDamage>& character_damages() {
   static const std::vector<CharacterDamage> all{
-      // Numbers of 16 bits: those of the weights' floats.
+      // Reads the weights' floats as 16-bit integers.
       {"joints beyond the skin",
        [](json& d) { accessor_of(d, "JOINTS_0")["bufferView"] = accessor_of(d, "WEIGHTS_0")["bufferView"]; }},
       {"one weight for all vertices", [](json& d) { accessor_of(d, "WEIGHTS_0")["count"] = 1; }},
@@ -115,7 +115,7 @@ TEST_F(DamagedBake, ACharacterIsHeldAgainstItsSkinAndTheModel) {
     take("arm");
     if (has_shape) change_glb(out_ + "/character.glb", give_shape);
     ASSERT_EQ(exported("glb,usda").status, 0)
-        << "the control, with" << (has_shape ? "" : "out") << " a shape";
+        << "the control: undamaged, with" << (has_shape ? "" : "out") << " a shape";
     for (const CharacterDamage& damage : character_damages()) {
       SCOPED_TRACE(std::string(damage.name) + (has_shape ? ", with a shape" : ""));
       take("arm");
@@ -131,7 +131,7 @@ TEST_F(DamagedBake, ACharacterIsHeldAgainstItsSkinAndTheModel) {
   expect_bad_input(exported("glb"), "character.glb");
 }
 
-// The same frames under another header.
+// The same frames with a changed header.
 void change_cache(const std::string& path, const std::function<void(bake::CacheHeader&)>& change_header,
                   const std::function<void(model::Frame&)>& change_frame = {}) {
   std::string bytes;
@@ -168,7 +168,7 @@ TEST_F(DamagedBake, FramesAreHeldAgainstTheModel) {
       {"more frames than are there", [](auto& header) { header.frames += 1; }}};
   take("bar-hang-none");
   change_cache(out_ + "/frames.fascicle", [](auto&) {});
-  ASSERT_EQ(exported().status, 0) << "the control";
+  ASSERT_EQ(exported().status, 0) << "the control: an unchanged header";
   for (const auto& [name, change] : damages) {
     SCOPED_TRACE(name);
     take("bar-hang-none");
@@ -196,7 +196,7 @@ TEST_F(DamagedBake, TheManifestIsHeldAgainstTheFrames) {
   }
 }
 
-// A number that turned into another one: JSON as before, and nothing else to hold it against.
+// A changed number: still valid JSON, so only the checksum detects it.
 TEST_F(DamagedBake, TheManifestIsHeldAgainstItsChecksum) {
   for (const char* text : {"7", "1e999", "NaN"}) {
     SCOPED_TRACE(text);
@@ -210,7 +210,7 @@ TEST_F(DamagedBake, TheManifestIsHeldAgainstItsChecksum) {
     const Outcome verified = fascicle({"verify", out_});
     EXPECT_EQ(verified.status, 3);
     EXPECT_TRUE(contains(verified.err, "manifest.json")) << verified.err;
-    // What the messages say to do: its files are ours still.
+    // The remedy in the messages works: the files still count as ours.
     std::vector<std::string> command = bake_command("bar-hang-none", out_);
     command.push_back("--overwrite");
     const Outcome again = fascicle(command);
@@ -241,7 +241,7 @@ TEST_F(DamagedBake, ACheckpointIsHeldAgainstTheModel) {
       {"no origin",
        [](auto& checkpoint) { checkpoint.state.origin[0] = std::numeric_limits<double>::quiet_NaN(); }}};
   take("bar-hang-none");
-  ASSERT_EQ(resumed("bar-hang-none").status, 0) << "the control";
+  ASSERT_EQ(resumed("bar-hang-none").status, 0) << "the control: undamaged";
   for (const auto& [name, change] : damages) {
     SCOPED_TRACE(name);
     take("bar-hang-none");

@@ -1,4 +1,4 @@
-// Which devices a batch's jobs may still have.
+// Which devices the jobs of a batch may still use.
 #include "host/cli/device_failures.h"
 
 #include <gtest/gtest.h>
@@ -24,13 +24,13 @@ TEST(DeviceFailures, TwoInARowAreTheEndOfADeviceButForTheLast) {
   failures.add(0, "vulkan:0", Clock::now(), false);
   failures.clear("vulkan:0");
   failures.add(1, "vulkan:0", Clock::now(), false);
-  EXPECT_FALSE(failures.is_off("vulkan:0")) << "one was well between them";
+  EXPECT_FALSE(failures.is_off("vulkan:0")) << "a success between the failures resets the count";
   failures.add(2, "vulkan:0", Clock::now(), false);
   EXPECT_TRUE(failures.is_off("vulkan:0"));
   EXPECT_FALSE(failures.may_have(9, "vulkan:0"));
   failures.add(3, "cpu", Clock::now(), false);
   failures.add(4, "cpu", Clock::now(), false);
-  EXPECT_FALSE(failures.is_off("vulkan:0")) << "there is no better one";
+  EXPECT_FALSE(failures.is_off("vulkan:0")) << "no better device is left";
   EXPECT_TRUE(failures.has_a_device(9));
 }
 
@@ -40,7 +40,7 @@ TEST(DeviceFailures, WhatEndsSeveralBakesAtOnceIsOneFailure) {
   for (std::size_t job = 0; job < 8; ++job) failures.add(job, "vulkan:0", start, false);
   EXPECT_FALSE(failures.is_off("vulkan:0"));
   for (std::size_t job = 8; job < 16; ++job) failures.add(job, "vulkan:0", Clock::now(), true);
-  EXPECT_FALSE(failures.is_off("vulkan:0")) << "models that do not fit it say nothing of others";
+  EXPECT_FALSE(failures.is_off("vulkan:0")) << "models too large for it say nothing about others";
 }
 
 TEST(DeviceFailures, AutoHasTheCpuBehindIt) {

@@ -1,4 +1,4 @@
-// A device that fails at any call: what was done is kept, and the next device goes on to the same bits.
+// If any call of a device fails, completed work is kept, and the next device continues with the same bits.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-// VkResult's numbers; VK_TIMEOUT is no error by its sign.
+// Values of VkResult; VK_TIMEOUT is positive and so not formally an error.
 const std::map<int, std::string> results{{-4, "VK_ERROR_DEVICE_LOST"},
                                          {-2, "VK_ERROR_OUT_OF_DEVICE_MEMORY"},
                                          {-1, "VK_ERROR_OUT_OF_HOST_MEMORY"},
@@ -44,7 +44,7 @@ json manifest_in(const std::string& folder) {
   return json::parse(read_text(folder + "/manifest.json"));
 }
 
-// A soak asks for 200.
+// A soak sets 200.
 long wanted_points() {
   const char* text = std::getenv("FASCICLE_FAULT_POINTS");
   return text == nullptr ? 10 : std::atol(text);
@@ -56,7 +56,7 @@ class DeviceFaults : public testing::Test {
     NEEDS_VULKAN();
     const Outcome plain = fascicle(bake(folder / "plain", "cpu"));
     ASSERT_EQ(plain.status, 0) << plain.err;
-    // The layer alone changes nothing, and says how many calls there are.
+    // The layer without a fault changes nothing and reports the number of calls.
     const Outcome counted = fascicle(bake(folder / "counted", "vulkan:0"), layer("0 0", folder / "count"));
     ASSERT_EQ(counted.status, 0) << counted.err;
     expect_same("counted");
@@ -71,7 +71,7 @@ class DeviceFaults : public testing::Test {
     EXPECT_EQ(read_text(folder / (name + "/surface.pc2")), read_text(folder / "plain/surface.pc2")) << name;
   }
 
-  // Calls spread over the whole bake, each with a result.
+  // Calls spread over the whole bake, each with one of the results.
   template <class Visit>
   void for_each_fault(const Visit& visit) const {
     const long points = wanted_points();
@@ -95,8 +95,8 @@ TEST_F(DeviceFaults, TheNextDeviceGoesOnToTheSameBits) {
                                      layer(std::to_string(call) + " " + std::to_string(result)));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     expect_same(baked);
-    // A pipeline cache that cannot be read is none, and TIMEOUT is nothing to most calls: then the GPU goes
-    // on.
+    // Without a readable pipeline cache a bake still works, and most calls ignore TIMEOUT; then the GPU
+    // continues.
     const bool has_changed = manifest_in(folder / baked).at("device").at("solver") == "cpu";
     handed_over += has_changed ? 1 : 0;
     EXPECT_EQ(has_changed, contains(outcome.err, name)) << outcome.err;
@@ -130,7 +130,7 @@ TEST_F(DeviceFaults, WithoutAnotherDeviceResumingGoesOn) {
   EXPECT_GT(begun, 0);
 }
 
-// A bake of before is replaced, though the device fails before it has begun.
+// An earlier bake is replaced even if the device fails before the new one begins.
 TEST_F(DeviceFaults, WhatIsOverwrittenIsNotGoneOnWith) {
   const auto write_jobs = [&](const std::string& end) {
     write_text(folder / "jobs.toml", "output = \"" + folder / "batch" +
@@ -157,7 +157,7 @@ TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
                  "[job.one]\nscene = \"bar-hang-along\"\nset = [\"scene.end=0.1\"]\n"
                  "[job.two]\nscene = \"bar-hang-along\"\nset = [\"scene.end=0.1\"]\n"
                  "[job.three]\nscene = \"bar-hang-along\"\nset = [\"scene.end=0.1\"]\n");
-  // In the middle of the frames of whatever the GPU is given: after two of them it gets no more.
+  // Fails in the middle of the GPU's frames. After two failures the GPU gets no more jobs.
   const Outcome outcome =
       fascicle({"batch", folder / "jobs.toml", "--device", "vulkan:0,cpu", "--at-once", "1"},
                layer(std::to_string(calls * 3 / 4) + " -4"));
@@ -171,7 +171,7 @@ TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
     expect_same("batch/" + job.at("job").get<std::string>());
   }
 
-  // With that device alone each job fails, and says why.
+  // With only that device each job fails and gives the reason.
   const Outcome alone = fascicle({"batch", folder / "jobs.toml", "--device", "vulkan:0", "--overwrite"},
                                  layer(std::to_string(calls * 3 / 4) + " -4"));
   EXPECT_EQ(alone.status, 7) << alone.err;

@@ -1,6 +1,6 @@
-// A batch handed over: what the scripts say, that any shell reads them as they are meant, that tasks beside
-// each other write no file twice, and that status tells from the folders how each job stands. tests/farm runs
-// the scripts on a real Slurm.
+// A batch on a farm: the content of the scripts, that any shell reads them as intended, that parallel tasks
+// never write the same file, and that status derives each job's state from the folders. tests/farm runs the
+// scripts on a real Slurm.
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -29,7 +29,7 @@ const std::string bars_and_bears =
     "[job.bear]\nscene = \"crouch\"\nclips = \"all\"\n"
     "set = [\"character.resolution=0.12\", \"scene.end=0.05\", \"motion.hold=0.0\"]\n";
 
-// In a folder of a name that a script must quote.
+// In a folder whose name must be quoted in scripts.
 struct Farm {
   explicit Farm(const std::string& jobs = four_bars) {
     fs::create_directories(home);
@@ -61,7 +61,7 @@ TEST(BatchFarm, TheArrayScriptAsksForWhatABakeTakes) {
       emit(farm, {"--threads", "2", "--at-once", "3", "--slurm", "--partition=x --account=y"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string script = read_text(farm.job() + "/array.sbatch");
-  // The bear's clips share their model, the bars do not.
+  // The bear's clips share their model; the bars do not.
   for (const char* line : {"#!/bin/bash\n# ", "#SBATCH --array=1-3%3\n", "#SBATCH --cpus-per-task=2\n",
                            "#SBATCH --requeue\n", "#SBATCH --signal=B:TERM@120\n",
                            "#SBATCH --open-mode=append\n", "#SBATCH --partition=x --account=y\n"})
@@ -75,7 +75,7 @@ TEST(BatchFarm, TheArrayScriptAsksForWhatABakeTakes) {
   EXPECT_LE(number_after("--mem="), 4096);
   EXPECT_GE(number_after("--time="), 10);
   EXPECT_LE(number_after("--time="), 30);
-  EXPECT_FALSE(fs::exists(farm.output())) << "it baked something";
+  EXPECT_FALSE(fs::exists(farm.output())) << "--emit must not bake";
   for (const char* file : {"array.sbatch", "merge.sbatch", "submit"})
     EXPECT_EQ(std::system(("bash -n " + quoted(farm.job() + "/" + file)).c_str()), 0) << file;
 
@@ -92,7 +92,7 @@ TEST(BatchFarm, AGpuIsAskedForWhereOneIsNamed) {
   EXPECT_TRUE(contains(script, "--device vulkan ")) << script;
 }
 
-// Programs of Slurm's names that note what they are asked, and the array's script run as Slurm would.
+// Runs the array's script as Slurm would, with replacements for Slurm's programs that record their arguments.
 int run_task(const Farm& farm, const std::string& state, const std::string& around) {
   const fs::path programs = farm.home / "programs";
   fs::create_directories(programs);
@@ -111,8 +111,8 @@ int run_task(const Farm& farm, const std::string& state, const std::string& arou
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// Slurm's warning goes to the script's shell alone. It waits for the bake's end and has the task queued
-// again, by the array's name for it: its own number may be the whole array's.
+// Slurm's warning goes only to the script's shell, which waits for the bake to end and requeues the task by
+// its array name, as its own number may be that of the whole array.
 TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
   const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=60\"]\n");
   ASSERT_EQ(emit(farm, {"--threads", "1"}).status, 0);
@@ -124,12 +124,12 @@ TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
   EXPECT_EQ(status.status, 75) << status.out;
   EXPECT_TRUE(contains(status.out, "1 interrupted")) << status.out;
   EXPECT_TRUE(contains(status.out, "interrupted at frame ")) << status.out;
-  // What its user cancelled is not queued again.
+  // A task cancelled by its user is not requeued.
   fs::remove(farm.home / "asked");
   fs::remove_all(farm.output() + "/bar");
   EXPECT_EQ(run_task(farm, "COMPLETING", warn_at_work), 75) << read_text(farm.home / "log");
   EXPECT_FALSE(fs::exists(farm.home / "asked"));
-  // Left alone it ends, with the bytes of a bake of its own.
+  // Undisturbed it finishes, with the same bytes as a separate bake.
   EXPECT_EQ(run_task(farm, "RUNNING", "\n"), 0) << read_text(farm.home / "log");
   ASSERT_EQ(fascicle({"bake", "bar-hang-none", "--set=scene.end=60", "--device", "cpu", "-o",
                       farm.folder / "alone"})
@@ -157,7 +157,7 @@ TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
   EXPECT_EQ(status.status, 0) << status.out;
   const FarmJson merged = FarmJson::parse(read_text(farm.output() + "/batch.json")).at("jobs");
   ASSERT_EQ(merged.size(), 4u);
-  // As one batch writes it, but for how long it took.
+  // The same as from a single batch, except for timings.
   ASSERT_EQ(fascicle({"batch", farm.list(), "-o", farm.folder / "whole"}).status, 0);
   const FarmJson whole = FarmJson::parse(read_text(farm.folder / "whole/batch.json")).at("jobs");
   for (std::size_t k = 0; k < 4; ++k)
@@ -169,7 +169,7 @@ TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
   EXPECT_TRUE(contains(status.out, ": 4 done\n")) << status.out;
 }
 
-// Of a failure that left no manifest the record tells, of a process that was killed that it is gone.
+// The record tells of a failure without a manifest, and that a killed process is gone.
 TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   const Farm farm(
       "[job.long]\nscene = \"bar-hang-none\"\nset = [\"scene.end=60\"]\n"
@@ -189,12 +189,12 @@ TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   const std::string process = std::to_string(record.at("process").get<long>());
   const int bake = std::atoi(read_text("/proc/" + process + "/task/" + process + "/children").c_str());
   ASSERT_GT(bake, 0);
-  task.send(SIGSTOP);  // it must not see its bake die
+  task.send(SIGSTOP);  // so that it does not notice the death of its bake
   EXPECT_EQ(::kill(bake, SIGKILL), 0);
   task.send(SIGKILL);
   task.wait();
-  // The kernel ends a killed process when it gets to it, and only then frees the folder. A minute: a busy
-  // machine.
+  // The kernel terminates a killed process at its convenience and only then frees the folder. A minute is for
+  // a busy machine.
   Outcome gone;
   const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   do {
@@ -202,7 +202,7 @@ TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   } while (contains(gone.out, "1 running") && std::chrono::steady_clock::now() < patience);
   EXPECT_TRUE(contains(gone.out, "long  cut off at frame ")) << gone.out;
   EXPECT_TRUE(contains(gone.out, "--resume")) << gone.out;
-  // On another host nobody can be asked: it counts as running for a while.
+  // A process on another host cannot be checked, so it counts as running for a while.
   std::string text = record.dump();
   const std::string host = record.at("host").dump();
   text.replace(text.find(host), host.size(), "\"another-host\"");
@@ -239,7 +239,7 @@ TEST(BatchFarm, RefusesWhatItCannotHandOver) {
   EXPECT_EQ(nothing.status, 3);
   EXPECT_TRUE(contains(nothing.err, "batch.json")) << nothing.err;
 
-  // Where Slurm is not, it says how to go on.
+  // Without Slurm, it says how to continue.
   const Outcome no_slurm =
       fascicle({"batch", farm.list(), "--emit", "slurm", "-o", farm.job(), "--submit"}, {"PATH=/nowhere"});
   EXPECT_EQ(no_slurm.status, 1);

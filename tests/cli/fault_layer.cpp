@@ -1,6 +1,6 @@
-// A Vulkan layer whose device's calls fail: FASCICLE_FAULT="K RESULT" returns the VkResult from the Kth call
-// that can fail, counted over all of the process. A device that is lost stays lost. FASCICLE_FAULT_COUNT
-// names a file that is told how many such calls there were.
+// A Vulkan layer with failing calls: FASCICLE_FAULT="K RESULT" makes the Kth call that can fail return the
+// VkResult, counted over the whole process. A lost device stays lost. FASCICLE_FAULT_COUNT names a file that
+// receives the number of such calls.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -36,8 +36,8 @@ constexpr std::array names{"vkAllocateCommandBuffers",
                            "vkResetFences",
                            "vkWaitForFences"};
 
-// Vulkan's calls take no context, so there is one; the program has one driver, whose entry points do not
-// change.
+// Vulkan's calls take no context, so this is a singleton. The program uses one driver, whose entry points do
+// not change.
 struct Faults {
   PFN_vkGetInstanceProcAddr of_instance = nullptr;
   PFN_vkGetDeviceProcAddr of_device = nullptr;
@@ -66,7 +66,7 @@ VkResult next_result() {
   Faults& all = faults();
   if (++all.calls == all.failing) {
     all.is_lost = all.result == VK_ERROR_DEVICE_LOST;
-    // Nothing is under way on a lost device.
+    // A lost device has no work in flight.
     if (all.is_lost && all.wait_idle != nullptr) all.wait_idle(all.device);
     return all.result;
   }
@@ -134,7 +134,7 @@ void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocati
 
 VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                        const VkAllocationCallbacks* allocation, VkDevice* device) {
-  faults().wait_idle = nullptr;  // one device at a time: what was opened before is gone
+  faults().wait_idle = nullptr;  // one device at a time: the previous one is gone
   if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
   auto* link = link_of<VkLayerDeviceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;

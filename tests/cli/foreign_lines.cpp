@@ -1,4 +1,4 @@
-// A driver that talks, and in JSON: loaded into the bakes of a batch by LD_PRELOAD.
+// Simulates a driver that prints, even JSON. LD_PRELOAD loads it into the bakes of a batch.
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -10,7 +10,7 @@ namespace {
 __attribute__((constructor)) void talk() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   const std::string words{std::istreambuf_iterator<char>(file), {}};
-  // Not into the batch itself.
+  // Not in the batch process itself.
   if (words.find("--log-format") == std::string::npos) return;
   const std::string lines =
       "{\"level\": 3, \"message\": {\"code\": 7}}\n"

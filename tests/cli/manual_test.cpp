@@ -1,5 +1,5 @@
-// The manual page and the completions say what the program's --help says, and are what man and the shells
-// read.
+// The manual page and the completions contain what the program's --help does, and man and the shells accept
+// them.
 #include <cstdlib>
 #include <regex>
 #include <set>
@@ -26,7 +26,7 @@ std::set<std::string> all_of(const std::string& text, const char* pattern) {
   return found;
 }
 
-// Commands and long options of all --help texts: those at the beginning of a line.
+// The commands of the --help text, which begin a line.
 std::set<std::string> commands_of_help() {
   const std::string help = fascicle({"--help"}).out;
   return all_of(help.substr(help.find("Subcommands:")), "\n  ([a-z]+) ");
@@ -37,7 +37,7 @@ TEST(Manual, HasEveryCommandAndOptionThatHelpHas) {
   const std::string bash = manual("bash"), zsh = manual("zsh"), fish = manual("fish");
   const std::set<std::string> commands = commands_of_help();
   ASSERT_GE(commands.size(), 8u);
-  EXPECT_FALSE(commands.contains("manual")) << "it is for build scripts";
+  EXPECT_FALSE(commands.contains("manual")) << "manual is for build scripts";
   for (const std::string& command : commands) {
     EXPECT_NE(page.find(".SS fascicle " + command + "\n"), std::string::npos) << command;
     EXPECT_NE(fish.find("-a " + command + " "), std::string::npos) << command;
@@ -59,7 +59,7 @@ TEST(Manual, HasEveryCommandAndOptionThatHelpHas) {
   }
 }
 
-// What a checker of one shell says of a text; skipped, loudly, where the shell is not installed.
+// Expects no messages from a shell's syntax checker; skipped with a message if the shell is not installed.
 void check_with(const std::string& program, const std::string& arguments, const std::string& text) {
   if (std::system(("command -v " + program + " >/dev/null").c_str()) != 0) {
     std::fprintf(stderr, "%s IS NOT INSTALLED, NOT TESTED\n", program.c_str());
@@ -77,7 +77,7 @@ TEST(Manual, IsReadWithoutAWarning) {
   check_with("bash", "-n", manual("bash"));
   check_with("zsh", "-n", manual("zsh"));
   check_with("fish", "-n", manual("fish"));
-  // man prints the page: what it says otherwise is on stderr, which check_with sees.
+  // man prints the page; its warnings go to stderr, which check_with reads.
   check_with("man", "--warnings -l >/dev/null", manual("man"));
 }
 
@@ -90,7 +90,7 @@ std::string completed(const std::string& words, int current) {
   return read_text(folder / "out");
 }
 
-// A subcommand of a subcommand has its part in the page, and its words in the shells.
+// A nested subcommand has its section in the page and its words in the completions.
 TEST(Manual, HasBatchStatus) {
   const std::string page = manual("man");
   const std::size_t at = page.find(".SS fascicle batch status\n");

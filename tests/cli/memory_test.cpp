@@ -1,4 +1,4 @@
-// What a control group and those above it leave.
+// The memory left by a control group and its ancestors.
 #include "host/cli/memory.h"
 
 #include <filesystem>
@@ -25,7 +25,7 @@ TEST(Memory, ALimitMayStandOnAnyGroupAbove) {
   write_group(root.path() / "job/step", "4500", "1100");
   write_group(root.path() / "job/step/task", "max", "1100");
   EXPECT_EQ(cli::left_in_groups("0::/job/step/task\n", root.path()),
-            3500u);  // 4500 less 1100, of which 100 are files
+            3500u);  // 4500 minus 1100, of which 100 are file cache
   EXPECT_EQ(cli::left_in_groups("0::/job\n", root.path()), 4000u);
   EXPECT_EQ(cli::left_in_groups("0::/\n", root.path()), std::nullopt);
   EXPECT_EQ(cli::left_in_groups("", root.path()), std::nullopt);

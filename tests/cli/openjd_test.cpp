@@ -1,9 +1,9 @@
-// A batch as a job template of Open Job Description, held against the rules of the specification, and the
+// A batch as a job template of Open Job Description, checked against the rules of the specification, and the
 // lines that a farm reads while a task runs.
 //
 // The rules are those of "Template Schemas [Version: 2023-09]" and "How Jobs Are Run",
-// https://github.com/OpenJobDescription/openjd-specifications/wiki, as far as our template uses them: keys,
-// lengths, characters, and what may be referred to where.
+// https://github.com/OpenJobDescription/openjd-specifications/wiki, to the extent that our template uses
+// them: keys, lengths, characters, and which names may be referenced where.
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -23,7 +23,7 @@ namespace {
 using OpenJson = nlohmann::json;
 namespace fs = std::filesystem;
 
-// What is wrong with a template; every rule names its section.
+// Finds the violations of a template; every rule names its section.
 class OpenJdRules {
  public:
   static std::vector<std::string> faults_of(const OpenJson& whole) {
@@ -47,7 +47,7 @@ class OpenJdRules {
     for (const auto& [key, value] : object.items())
       hold(required.contains(key) || optional.contains(key), where + ": has no key " + key);
   }
-  // Without control characters, of so many characters. Ours are ASCII, or longer in bytes than in characters.
+  // Text of limited length without control characters. It counts bytes, which is stricter than characters.
   void hold_text(const OpenJson& text, std::size_t least, std::size_t most, const std::string& where) {
     hold(text.is_string(), where + ": is no text");
     const std::string value = text.get<std::string>();
@@ -58,7 +58,7 @@ class OpenJdRules {
     static const std::regex identifier("[A-Za-z_][A-Za-z0-9_]{0,63}");
     hold(text.is_string() && std::regex_match(text.get<std::string>(), identifier), where + ": 7.1");
   }
-  // 7.3: what stands in double braces is a dotted name of `scope`.
+  // 7.3: names in double braces are dotted names from `scope`.
   void hold_format_string(const std::string& text, const std::set<std::string>& scope,
                           const std::string& where) {
     std::size_t at = 0;
@@ -223,7 +223,7 @@ TEST(OpenJd, TheTemplateKeepsTheRules) {
   EXPECT_TRUE(contains(on_gpu.dump(), "amount.worker.gpu"));
 }
 
-// The controls: each fault is seen.
+// The controls: each violation is detected.
 TEST(OpenJd, WhatBreaksARuleIsSeen) {
   const TemporaryFolder folder;
   const OpenJson whole = template_of(folder, "template.json");
@@ -307,8 +307,8 @@ TEST(OpenJd, ABakeSaysItsShareAndWhyItFailed) {
   EXPECT_TRUE(unknown.err.starts_with("openjd_fail: ")) << unknown.err;
 }
 
-// A canceled task has SIGTERM first: it ends its frame well within the template's grace, and goes on when it
-// is run again.
+// A cancelled task first gets SIGTERM. It ends its frame well within the template's grace period and resumes
+// when it is run again.
 TEST(OpenJd, ACanceledTaskGoesOn) {
   const TemporaryFolder folder;
   const std::string list = list_of_bars(folder.path());

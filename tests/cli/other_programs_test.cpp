@@ -1,4 +1,4 @@
-// Bakes as other programs see them: glTF by Khronos' validator, PC2, MDD and GLB by Blender.
+// Bakes in third-party programs: glTF in Khronos' validator; PC2, MDD and GLB in Blender.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -32,8 +32,7 @@ json validated(const fs::path& file) {
   return json::parse(read_text(folder / "report.json"));
 }
 
-// The scenes: a body without skeleton, and a walking man whose mesh has seams, a texture, and a rig of its
-// own.
+// Two scenes: a body without a skeleton, and a walking man whose mesh has seams, a texture and its own rig.
 TEST(GltfValidator, FindsNoErrors) {
   FASCICLE_NEEDS_NODE_READERS;
   std::vector<std::string> scenes{"bar-layers-iii"};
@@ -56,7 +55,7 @@ TEST(GltfValidator, FindsNoErrors) {
   }
 }
 
-// What the validator can say at all: a planted mistake must turn it red.
+// The control: the validator must report a planted error.
 TEST(GltfValidator, SeesAPlantedMistake) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
@@ -88,7 +87,7 @@ TEST(Blender, ShowsTheBakedSurfaceInEveryFrame) {
   const json report = json::parse(read_text(folder / "report.json"));
   for (const auto& [bake_folder, formats] : report.items())
     for (const auto& [format, found] : formats.items()) {
-      // Files hold floats; Blender turns axes, skins and mixes in floats.
+      // Files contain floats, and Blender converts axes, skins and blends in floats.
       EXPECT_LE(found["error"].get<double>(), 1e-5) << bake_folder << ' ' << format;
       EXPECT_EQ(found["frames"], 7);
       EXPECT_EQ(found["first"], 0);
@@ -96,7 +95,7 @@ TEST(Blender, ShowsTheBakedSurfaceInEveryFrame) {
       EXPECT_EQ(found["fps"], 60.0);
       EXPECT_EQ(found["smooth"], true) << bake_folder << ' ' << format;
       if (!bake_folder.ends_with("/man")) continue;
-      // What the file looks like comes along with every format.
+      // Every format comes with the file's materials and textures.
       EXPECT_EQ(found["materials"], json({"Cesium_Man-effect"})) << format;
       EXPECT_EQ(found["images"], 1) << format;
       EXPECT_EQ(found["uvs"], true) << format;

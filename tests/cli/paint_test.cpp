@@ -1,4 +1,5 @@
-// Paint from its file and from the character's own: the bakes are the same, and no other one's go on.
+// Paint from its own file and paint in the character give the same bake; a bake with other paint is not
+// resumed.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// The made bear as a file, and what is painted on it by place.
+// The built-in bear as a file, painted by position.
 class PaintCommand : public testing::Test {
  protected:
   void SetUp() override {
@@ -40,7 +41,7 @@ class PaintCommand : public testing::Test {
     return folder_ / name;
   }
 
-  // Writes a scene and bakes it; its position hashes.
+  // Writes a scene and bakes it; returns its position hashes.
   json hashes_of(const std::string& name, const std::string& character) const {
     write_text(folder_.path() / (name + ".toml"), "[scene]\nend = 0.05\n[character]\n" + character +
                                                       "\nresolution = 0.12\n[motion]\npreroll = 0.1\n");
@@ -96,7 +97,7 @@ TEST_F(PaintCommand, RefusesWhatItCannotWrite) {
   EXPECT_EQ(fascicle({"paint", bear_, folder_ / "nowhere.json", "-o", folder_ / "bear.glb"}).status, 3);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "bear.glb"));
   ASSERT_EQ(fascicle({"paint", bear_, paint, "-o", folder_ / "bear.glb"}).status, 0);
-  EXPECT_EQ(fascicle({"paint", bear_, paint, "-o", folder_ / "bear.glb"}).status, 2) << "it is there";
+  EXPECT_EQ(fascicle({"paint", bear_, paint, "-o", folder_ / "bear.glb"}).status, 2) << "the output exists";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The numbers in docs/paper.md are what this program measures: figures 2, 3, 6 and 7, which take seconds, to
-// the digit, because every machine bakes the same bits.
+// The numbers in docs/paper.md match this program's measurements. Checks figures 2, 3, 6 and 7, which take
+// seconds, to the last digit, as every machine bakes the same bits.
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -27,7 +27,7 @@ TEST(PaperNumbers, AreWhatTheProgramMeasures) {
   const TemporaryFolder folder;
   EXPECT_EQ(complaints_about(FASCICLE_SOURCE_DIR "/docs", folder / "messages"), "");
 
-  // The control: a page and numbers that agree with each other, and not with the program.
+  // The control: a page and numbers that agree with each other but not with the program.
   const fs::path docs = folder.path() / "docs";
   fs::create_directories(docs);
   fs::copy(FASCICLE_SOURCE_DIR "/docs/figures", docs / "figures");

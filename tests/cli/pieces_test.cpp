@@ -1,4 +1,4 @@
-// The parts of the command line that can be called: device requests, their candidates, numbers as text.
+// Parts of the command line that can be called directly: device requests, their candidates, numbers as text.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -74,7 +74,7 @@ TEST(Validation, OneDifferenceIsEnough) {
   EXPECT_FALSE(validation.holds());
   validation.oracle[0].relative = std::nan("");
   EXPECT_FALSE(validation.holds());
-  // A device that is not exact is held to the bound, not to the bits.
+  // A device that is not exact must meet the bound, not the bits.
   validation.oracle.clear();
   validation.comparisons[0].exact = false;
   validation.comparisons[0].difference.emplace();

@@ -36,9 +36,9 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  // What is added comes first: getenv takes the first of equals.
+  // Added entries come first, as getenv returns the first match.
   std::vector<std::string> added = environment;
-  // Nothing of a test stays in the user's cache, or comes from it.
+  // Tests neither read nor write the user's cache.
   added.push_back("FASCICLE_CACHE_DIR=" + (folder_ / "cache"));
   std::vector<char*> envp;
   for (std::string& entry : added) envp.push_back(entry.data());
@@ -54,7 +54,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
                                      0600);
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  // A shell's background job ignores SIGINT, and its children would too.
+  // A shell's background job ignores SIGINT, and its children would inherit that.
   sigset_t defaults;
   ::sigemptyset(&defaults);
   ::sigaddset(&defaults, SIGINT);

@@ -11,7 +11,7 @@
 
 namespace fascicle::tests {
 
-// A folder that goes away with its owner.
+// A temporary folder that is removed by its owner's destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -27,11 +27,11 @@ class TemporaryFolder {
 
 struct Outcome {
   int status = -1;  // exit status
-  int signal = 0;   // that ended it, or 0
+  int signal = 0;   // the signal that ended it, or 0
   std::string out, err;
 };
 
-// `fascicle ARGUMENTS...` under way, with default signal handling and stdout and stderr in files.
+// A running `fascicle ARGUMENTS...`, with default signal handling; stdout and stderr go to files.
 class Program {
  public:
   explicit Program(const std::vector<std::string>& arguments,
@@ -51,8 +51,8 @@ class Program {
   int raw_status_ = 0;
 };
 
-// Waits until `condition` holds or the program has ended; says whether it holds. Leaves the processor to the
-// program.
+// Waits until `condition` holds or the program has ended, and returns whether it holds. Sleeps between
+// checks.
 template <class Condition>
 bool wait_until(Program& program, Condition condition) {
   while (!condition()) {
@@ -66,7 +66,7 @@ inline bool wait_for_file(Program& program, const std::filesystem::path& file) {
   return wait_until(program, [&] { return std::filesystem::exists(file); });
 }
 
-// Runs it to its end. `environment` adds NAME=VALUE entries.
+// Runs the program to its end. `environment` adds NAME=VALUE entries.
 Outcome fascicle(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
 std::string read_text(const std::filesystem::path& path);
@@ -74,7 +74,7 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace fascicle::tests
 
-// Leaves the test where there is no Vulkan device; with FASCICLE_REQUIRE_VULKAN=1 that is a failure.
+// Skips the test if there is no Vulkan device; with FASCICLE_REQUIRE_VULKAN=1 it fails instead.
 #define NEEDS_VULKAN()                                                                 \
   do {                                                                                 \
     const std::string without = fascicle::tests::why_no_vulkan();                      \
@@ -85,7 +85,7 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 
 namespace fascicle::tests {
 
-// Empty where `fascicle devices` finds a usable Vulkan device.
+// Empty if `fascicle devices` finds a usable Vulkan device.
 std::string why_no_vulkan();
 bool vulkan_is_required();
 

@@ -1,7 +1,7 @@
-// The pages and the program agree: every command of README and docs is run, or is of a kind that is named
-// here with the reason why not; every scene file is parsed; every option that a page names exists.
+// The documentation and the program agree: every command in README and docs is run, or is of a kind listed
+// here with the reason why not; every scene file is parsed; every option mentioned exists.
 //
-// A page's commands run from top to bottom in a folder of their own. It holds man.glb, a character, and
+// The commands of a page run from top to bottom in a separate folder. It contains man.glb, a character, and
 // blob.obj, a closed surface. A ```toml block whose first line is "# NAME.toml" is written there under that
 // name.
 #include <algorithm>
@@ -56,7 +56,7 @@ std::vector<Fenced> fenced(const std::string& text) {
   return blocks;
 }
 
-// README and every page below docs, and those beside the code, by path from the root.
+// README, every page below docs, and those next to the code, by path from the root.
 std::vector<std::string> pages() {
   std::vector<std::string> found{"README.md", "CONTRIBUTING.md", "bench/README.md"};
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(readme_root / "docs"))
@@ -68,7 +68,7 @@ std::vector<std::string> pages() {
 
 enum class Kind { run, script, other, unknown };
 
-// Commands that cannot be run by a test, by their beginning, and why.
+// Commands that a test cannot run, by their beginning, with the reason.
 struct NotRun {
   std::string_view beginning, reason;
 };
@@ -82,14 +82,14 @@ constexpr std::array not_run{
 
 Kind kind_of(const std::string& command) {
   if (command.starts_with("fascicle ")) return Kind::run;
-  // These build, or take minutes. That their subcommand exists is asked.
+  // These build or take minutes, so only the existence of their subcommand is checked.
   if (command.starts_with("./do ")) return Kind::script;
   for (const NotRun& kind : not_run)
     if (command.starts_with(kind.beginning)) return Kind::other;
   return Kind::unknown;
 }
 
-// Without the comment behind it.
+// The line without its trailing comment.
 std::string command_of(const std::string& line) {
   const std::size_t comment = line.find(" #");
   std::string command = line.substr(0, comment);
@@ -104,7 +104,7 @@ bool script_knows(const std::string& script, const std::string& command) {
   return std::regex_search(script, std::regex("\n  ([a-z]+ \\| )*" + subcommand + "( \\| [a-z]+)*\\)"));
 }
 
-// What `fascicle ...` prints and ends with, run in a folder.
+// The output and exit code of a `fascicle` command run in a folder.
 struct Ended {
   int status = 0;
   std::string output;
@@ -162,8 +162,7 @@ TEST_P(Pages, CommandsRun) {
       const std::string command = command_of(line);
       switch (kind_of(command)) {
         case Kind::unknown:
-          ADD_FAILURE() << GetParam() << ": no test runs '" << line
-                        << "', and `not_run` has no reason for it";
+          ADD_FAILURE() << GetParam() << ": no test runs '" << line << "', and `not_run` gives no reason";
           break;
         case Kind::other:
           break;
@@ -186,7 +185,7 @@ TEST_P(Pages, CommandsRun) {
   }
 }
 
-// A block of TOML is a list of jobs, a whole scene, or a file by its name.
+// A TOML block is a list of jobs, a whole scene, or a named file.
 TEST_P(Pages, SceneFilesAreSome) {
   bool has_files = false;
   for (const Fenced& block : fenced(text_)) {
@@ -215,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(Docs, Pages, testing::ValuesIn(pages()), [](const auto&
   return name;
 });
 
-// The subcommands and options that the program has, from its own help.
+// The program's subcommands and options, from its own help.
 std::set<std::string> words_of_help(const fs::path& folder) {
   std::set<std::string> words;
   static const std::regex option(R"(--[a-z][a-z-]*)");
@@ -234,7 +233,7 @@ std::set<std::string> words_of_help(const fs::path& folder) {
   return words;
 }
 
-// Subcommands after `fascicle` and options, inside `code` of a page, that are not among the words.
+// Subcommands after `fascicle`, and options, in a page's `code` that are not among these words.
 std::vector<std::string> unknown_words(const std::string& page, const std::set<std::string>& words) {
   static const std::regex code(R"(`([^`\n]+)`)");
   static const std::regex subcommand(R"(^fascicle ([a-z]+))");
@@ -256,7 +255,7 @@ TEST(Readme, OptionsThatPagesNameExist) {
   fs::create_directories(folder);
   const std::set<std::string> words = words_of_help(folder);
   fs::remove_all(folder);
-  ASSERT_TRUE(words.contains("bake") && words.contains("--softness")) << "the help was not understood";
+  ASSERT_TRUE(words.contains("bake") && words.contains("--softness")) << "the help could not be parsed";
   for (const std::string& page : pages()) {
     if (page == "bench/README.md") continue;  // also names options of Google Benchmark and of a script
     for (const std::string& text : unknown_words(text_of(readme_root / page), words))
@@ -274,10 +273,10 @@ TEST(Readme, IsShort) {
       scripts += kind_of(line) == Kind::script;
     }
   EXPECT_GE(commands, 8u);
-  EXPECT_EQ(scripts, 2u) << "the first screen shows two commands";
+  EXPECT_EQ(scripts, 2u) << "the first screen should show two commands";
 }
 
-// The controls: a command of no known kind, an option and a subcommand that are not there are seen.
+// The controls: a command of unknown kind, an unknown option and an unknown subcommand are detected.
 TEST(Readme, WhatIsWrongIsSeen) {
   EXPECT_EQ(kind_of("rm -rf out"), Kind::unknown);
   EXPECT_EQ(kind_of("fascicle bake arm"), Kind::run);

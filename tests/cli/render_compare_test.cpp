@@ -38,7 +38,7 @@ Pixels pixels_of(const std::string& path) {
   return pixels;
 }
 
-// How many pixels of the columns from `first` to before `last` are far bluer than red.
+// The number of pixels in columns [first, last) that are much bluer than red.
 std::size_t blue_between(const Pixels& pixels, unsigned first, unsigned last) {
   std::size_t count = 0;
   for (unsigned y = 0; y < pixels.height; ++y)
@@ -83,7 +83,7 @@ class RenderCompare : public testing::Test {
   std::string sheet_ = folder_ / "sheet.png";
 
  private:
-  // Numbers that are all 0, one pair a vertex: an accessor without a view.
+  // All coordinates are 0, one pair per vertex: an accessor without a buffer view.
   static std::size_t add_uvs(json& document, const json& primitive) {
     const std::size_t position = primitive["attributes"]["POSITION"];
     document["accessors"].push_back(
@@ -100,8 +100,8 @@ TEST_F(RenderCompare, BothHalvesShowTheBodyInItsColours) {
   ASSERT_EQ(pair.width, 240u);
   EXPECT_GT(pair.height, 160u);
   const std::size_t left = blue_between(pair, 0, 120), right = blue_between(pair, 120, 240);
-  // A body that fills its picture as the camera fits it covers more than a tenth; the two differ by what is
-  // soft.
+  // With the fitted camera, the body covers more than a tenth of its picture; the two pictures differ only by
+  // the soft flesh.
   EXPECT_GT(left, 120u * 160u / 10);
   EXPECT_NEAR(static_cast<double>(left), static_cast<double>(right), 0.1 * static_cast<double>(left));
 
@@ -126,7 +126,7 @@ TEST_F(RenderCompare, BrokenImageIsAWarningAndAPicture) {
   }
 }
 
-// The file's skinning of the render mesh and the drive's of the tetrahedra are two ways to the same place.
+// Skinning the render mesh by the file and skinning the tetrahedra by the drive lead to the same positions.
 TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
   cli::RenderArguments arguments;
   arguments.input.name = bake_;
@@ -140,7 +140,7 @@ TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
     double most = 0.0;
     for (std::size_t i = 0; i < surface.size(); ++i)
       most = std::max(most, std::fabs(double{surface[i]} - double{carried[i]}));
-    // Of a body of 2 m: weights, bind matrices and poses of the file are floats.
+    // For a body of 2 m; the file's weights, bind matrices and poses are floats.
     EXPECT_LT(most, 2e-5) << k;
   }
 }
@@ -182,7 +182,7 @@ TEST_F(RenderCompare, WrongUseIsOneClearMessage) {
   expect_refused(render({"-o", sheet_, "--compare", "--frame", "1"}), 3, "character.glb");
 }
 
-// A body without a skeleton stands beside its rest pose.
+// A body without a skeleton is shown next to its rest pose.
 TEST_F(RenderCompare, BarStandsBesideItsRest) {
   ASSERT_EQ(
       fascicle({"bake", "bar-beta-1", "-o", bake_, "--overwrite", "--end", "0.1", "--device", "cpu", "-q"})

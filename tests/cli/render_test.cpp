@@ -25,7 +25,7 @@ class Render : public testing::Test {
     arguments.insert(arguments.end(), {"--size", "160x120"});
     return fascicle(arguments);
   }
-  // One clear line, nothing on stdout.
+  // One clear line on stderr, nothing on stdout.
   static void expect_refused(const Outcome& outcome, int status, const std::string& part) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_EQ(outcome.out, "");
@@ -53,7 +53,7 @@ TEST_F(Render, EveryModeGivesItsOwnPicture) {
   }
 }
 
-// Two boxes above each other that do not touch yet: a picture with a scale, and no mark.
+// Two boxes, one above the other and not touching yet: the picture has a scale but no marks.
 TEST_F(Render, ContactIsDrawnOfWhatHasIt) {
   expect_refused(render({"-o", folder_ / "none.png", "--mode", "contact"}), 2, "set contact.self = true");
   EXPECT_FALSE(fs::exists(folder_.path() / "none.png"));

@@ -1,5 +1,5 @@
-// fascicle report: the page is well-formed, says what the bake's files say, shows the body, and takes nothing
-// on trust.
+// fascicle report: the page is well-formed, agrees with the bake's files, shows the body, and trusts no
+// input.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -74,7 +74,7 @@ Pixels picture_of(const pugi::xml_node& image) {
   return pixels;
 }
 
-// The share of pixels of skin: the ground and the sky are grey.
+// The fraction of pixels that show skin; ground and sky are grey.
 double share_of_skin(const Pixels& pixels) {
   std::size_t count = 0;
   for (std::size_t k = 0; k < pixels.rgb.size(); k += 3)
@@ -110,7 +110,7 @@ class ReportPage : public testing::Test {
     manifest.merge_patch(patch);
     write_text(bake_ + "/manifest.json", bake::sealed_text(manifest));
   }
-  // Whatever went wrong: one message, the exit code, and no page or part of one.
+  // After any failure: one message, the exit code, and no page, not even part of one.
   void expect_none(const Outcome& outcome, int status, const std::string& part) const {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     EXPECT_EQ(outcome.signal, 0);
@@ -127,7 +127,7 @@ TemporaryFolder* ReportPage::made_ = nullptr;
 
 TEST_F(ReportPage, SaysWhatTheMetricsSay) {
   const pugi::xml_document page = good_page();
-  // metrics.csv, read here by its commas: the largest of each column and its first frame.
+  // Parses metrics.csv independently: the maximum of each column and its first frame.
   std::istringstream file(read_text(bake_ + "/metrics.csv"));
   const auto cells = [&file] {
     std::string line, cell;
@@ -159,7 +159,7 @@ TEST_F(ReportPage, SaysWhatTheMetricsSay) {
   }
   EXPECT_EQ(compared, largest.size());
   EXPECT_GE(compared, 20u);
-  // As many plots as there are kinds of columns here: lag, look, energy, volume, inverted.
+  // One plot for each kind of column here: lag, look, energy, volume, inverted.
   EXPECT_EQ(page.select_nodes("//section[@id='curves']//figure[@class='plot']").size(), 5u);
   const pugi::xpath_node_set lags =
       page.select_nodes("//svg[@aria-label='Lag behind skinning, by layer']/path");
@@ -191,12 +191,12 @@ TEST_F(ReportPage, ShowsTheBodyBesideSkinning) {
     }
     different += skinned.rgb != flesh.rgb ? 1 : 0;
   }
-  // At rest in the first frame, the elbow bent in the last.
+  // At rest in the first frame, with a bent elbow in the last.
   EXPECT_GE(different, 3u);
   const pugi::xpath_node_set body = page.select_nodes("//section[@id='body']//img");
   ASSERT_EQ(body.size(), 3u);
   EXPECT_GE(share_of_skin(picture_of(body[0].node())), 0.04);
-  // The arm is closed, before and after, and one part.
+  // The arm is one closed part, before and after.
   const std::string table = text_of(page.select_node("//section[@id='body']//table").node());
   EXPECT_TRUE(contains(table, "Open edges00")) << table;
   EXPECT_TRUE(contains(table, "Parts that nothing connects11")) << table;
@@ -213,7 +213,7 @@ TEST_F(ReportPage, WarningsHaveTheirFrame) {
   EXPECT_EQ(notes[1].node().select_nodes(".//img").size(), 0u);
 }
 
-// Every text of a folder may be a stranger's.
+// Any text in the folder may be hostile.
 TEST_F(ReportPage, WhatStrangersWroteStaysText) {
   const std::string bad =
       "</p></style><script>alert(1)</script><img src=x onerror=alert(2)> \"' \x1b[2J\xe2\x80\xae";
@@ -242,7 +242,7 @@ TEST_F(ReportPage, WhatStrangersWroteStaysText) {
   EXPECT_FALSE(contains(raw, "\x1b") || contains(raw, "\xe2\x80\xae") || contains(raw, "<script"));
 }
 
-// Values of other types than the program writes are no reason to fail.
+// Values of unexpected types must not make it fail.
 TEST_F(ReportPage, AManifestMayHoldAnything) {
   for (const json& wrong : {json(7), json::array({1, json::object()}), json(nullptr)}) {
     for (const char* key :
@@ -251,9 +251,9 @@ TEST_F(ReportPage, AManifestMayHoldAnything) {
     const Outcome outcome = fascicle({"report", bake_, "-o", folder_ / "page.html", "--overwrite"});
     EXPECT_EQ(outcome.status, 0) << wrong << outcome.err;
     (void)page_at(folder_ / "page.html");
-    change_manifest({{"frames_kept", false}});  // pictures take their time, and are the same
+    change_manifest({{"frames_kept", false}});  // pictures take time and do not change
   }
-  // Nested deeper than a page shows; and so deep that whoever walks into it needs more than the stack has.
+  // Nested deeper than a page shows, and so deep that recursion would overflow the stack.
   const auto report_nested = [&](std::size_t levels) {
     const std::string deep = std::string(levels, '[') + std::string(levels, ']');
     write_text(bake_ + "/manifest.json",
@@ -272,7 +272,7 @@ TEST_F(ReportPage, IsThereWholeOrNotAtAll) {
   expect_none(fascicle({"report", bake_, "-o", folder_ / "none/page.html"}), 3, "none");
   expect_none(fascicle({"report", bake_, "-o", bake_}), 2, "is a folder");
   expect_none(fascicle({"report", bake_}), 2, "--output");
-  // A bit in every 256 bytes of the second half, so also in a frame that is shown.
+  // Flips a bit in every 256 bytes of the second half, so in a frame that is shown too.
   std::string frames = read_text(bake_ + "/frames.fascicle");
   for (std::size_t at = frames.size() / 2; at < frames.size(); at += 256)
     frames[at] = static_cast<char>(frames[at] ^ 1);
@@ -343,7 +343,7 @@ TEST(ValidateHtml, SaysWhatWasPrinted) {
       3);
 }
 
-// Of --converged too.
+// The same for --converged.
 TEST(ValidateHtml, ShowsWhatSubstepsCost) {
   const TemporaryFolder folder;
   const Outcome outcome = fascicle({"validate", "rod-hang", "--devices", "cpu", "--frames", "2",

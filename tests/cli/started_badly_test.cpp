@@ -1,5 +1,5 @@
-// However a program is started: streams that are closed, signals that come at once, limits on files, and
-// links where its outputs grow.
+// However the program is started: closed streams, early signals, file limits, and symbolic links at its
+// outputs' paths.
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -23,8 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// `fascicle ARGUMENTS...` after `prepare` was called in its process. Its stdout and stderr go to files,
-// unless that closes them.
+// Runs `fascicle ARGUMENTS...` after calling `prepare` in its process. stdout and stderr go to files, unless
+// `prepare` closes them.
 Outcome started(const std::vector<std::string>& arguments, const std::function<void()>& prepare) {
   const TemporaryFolder folder;
   std::vector<std::string> words{FASCICLE_PROGRAM};
@@ -67,7 +67,7 @@ json manifest_of(const std::string& folder) {
   return json::parse(read_text(folder + "/manifest.json"));
 }
 
-// Progress lines would be in the third file that a bake keeps open, and its results in the second.
+// Progress lines would go to the third file that a bake opens, and its results to the second.
 TEST(StartedBadly, ClosedStreamsLeaveNothingInOutputs) {
   const TemporaryFolder folder;
   ASSERT_EQ(fascicle(bake_command(folder / "whole")).status, 0);
@@ -88,7 +88,8 @@ TEST(StartedBadly, ClosedStreamsLeaveNothingInOutputs) {
   }
 }
 
-// Sent before the program begins and blocked until it takes it: it comes as soon as a signal can.
+// Sends a signal before the program starts, blocked until the program unblocks it, so it arrives as early as
+// possible.
 void send_at_once(int number) {
   sigset_t set;
   ::sigemptyset(&set);
@@ -118,12 +119,12 @@ TEST(StartedBadly, ASignalThatComesAtOnceInterrupts) {
     EXPECT_EQ(signalled({"verify", folder / "whole"}).status, 75);
     EXPECT_EQ(signalled({"report", folder / "whole", "-o", folder / "page.html"}).status, 75);
     EXPECT_FALSE(fs::exists(folder / "page.html"));
-    // What has nothing to bring to an end ends as any program.
+    // A command with nothing to finish ends like any program.
     EXPECT_EQ(signalled({"scenes"}).signal, number);
   }
 }
 
-// One that whoever started the program ignores stays ignored.
+// A signal ignored by the parent process stays ignored.
 TEST(StartedBadly, AnIgnoredSignalStaysIgnored) {
   const TemporaryFolder folder;
   const Outcome outcome = started(bake_command(folder / "out"), [] {
@@ -138,7 +139,7 @@ TEST(StartedBadly, ALimitOnFilesEndsABakeWithItsReason) {
   const std::vector<std::string> command{"bake", "bar-hang-none", "-o", folder / "out", "--end",
                                          "2",    "--device",      "cpu"};
   const Outcome outcome = started(command, [] {
-    // Beyond the model and its checkpoints, and before the end of the frames.
+    // More than the model and its checkpoints, less than all frames.
     constexpr rlim_t bytes = 400'000;
     const rlimit limit{bytes, bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -151,13 +152,13 @@ TEST(StartedBadly, ALimitOnFilesEndsABakeWithItsReason) {
   EXPECT_EQ(manifest["status"], "failed");
   EXPECT_TRUE(contains(manifest["message"], "ulimit -f")) << manifest["message"];
   EXPECT_GT(fs::file_size(folder / "out/frames.fascicle"), 300'000u);
-  // Whole frames are left, and the bake goes on from there.
+  // Only whole frames are left, and the bake resumes from there.
   const Outcome resumed = fascicle(with(command, "--resume"));
   EXPECT_EQ(resumed.status, 0) << resumed.err;
   EXPECT_EQ(manifest_of(folder / "out")["status"], "complete");
 }
 
-// A folder in which links have the names that outputs have while they are written.
+// A folder with symbolic links at the paths of outputs being written.
 class LinkedOutputs : public testing::Test {
  protected:
   void link(const std::string& name) {
@@ -209,7 +210,7 @@ TEST_F(LinkedOutputs, AreReplacedWithOverwrite) {
   for (const auto& item : fs::recursive_directory_iterator(folder_ / "out")) EXPECT_FALSE(item.is_symlink());
 }
 
-// What is in the folder that a link of frames leads to is somebody else's.
+// Content of a folder that a symbolic link leads to belongs to the user.
 TEST_F(LinkedOutputs, FramesAreNotWrittenIntoALinkedFolder) {
   const auto put_link = [&] {
     fs::remove_all(folder_ / "out/obj");
@@ -234,7 +235,7 @@ TEST_F(LinkedOutputs, FramesAreNotWrittenIntoALinkedFolder) {
   EXPECT_FALSE(fs::exists(folder_ / "frames/frame_000002.obj"));
 }
 
-// A stream that a resumed bake would go on with, and frames beside which their link was put.
+// An output stream, or frames, that a resumed bake would continue, replaced by a symbolic link.
 TEST_F(LinkedOutputs, AreNotResumed) {
   for (const char* name : {"metrics.csv.part", "surface.pc2.part", "metrics.csv", "frames.fascicle"}) {
     SCOPED_TRACE(name);

@@ -1,4 +1,4 @@
-// What strangers may give: inputs that are no files, names that a terminal would obey, values that want to be
+// Untrusted input: inputs that are not regular files, names with terminal escapes, values with shell
 // commands.
 #include <chrono>
 #include <csignal>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Ended after some seconds: then `signal` is SIGKILL.
+// Killed after some seconds; then `signal` is SIGKILL.
 Outcome within_seconds(const std::vector<std::string>& arguments) {
   constexpr std::chrono::seconds patience{20};
   Program program(arguments);
@@ -66,7 +66,7 @@ TEST(Strangers, PipesFoldersAndDevicesAreNoInputs) {
     write_text(folder / "b.gltf",
                "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"uri\": \"b.bin\", \"byteLength\": 4}]}");
     make("b.bin");
-    // Behind a link that leads out of the folder is nothing that is opened.
+    // A symbolic link that leads out of the folder is never opened.
     if (kind != "device") expect_no_input({"inspect", folder / "b.gltf"}, "b.bin");
     expect_no_input({"batch", "--dry-run", folder / "a.toml"}, "a.toml");
     expect_no_input({"bench", "--against", make("bench.json")}, "bench.json");
@@ -103,7 +103,7 @@ TEST(Strangers, FilesInAFolderOfABakeAreFiles) {
   }
 }
 
-// In centimetres or of a doll: what its scene says is written for its size.
+// In centimetres or the size of a doll: the generated scene adapts to the size.
 TEST(Strangers, CharactersOfAnySizeAreBaked) {
   const TemporaryFolder folder;
   ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);
@@ -193,7 +193,7 @@ TEST(Strangers, DryRunsPrintCommandsThatMeanWhatTheyDo) {
   std::getline(printed, head);
   std::getline(printed, command);
   EXPECT_FALSE(std::getline(printed, more)) << more;
-  // bash says which words it takes them for.
+  // bash reports which words it parses.
   write_text(folder / "script", "cd '" + folder.path().string() +
                                     "'\nfascicle() { printf '%s\\0' \"$@\" > words; }\n" + command + "\n");
   ASSERT_EQ(std::system(("bash '" + (folder / "script") + "'").c_str()), 0);

@@ -1,4 +1,4 @@
-// fascicle studio as a user starts and ends it. What it says to its page is tests/studio's.
+// fascicle studio as a user starts and ends it. tests/studio covers its conversation with the page.
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A socket on loopback; port 0 takes one that is free.
+// A loopback socket; port 0 picks a free port.
 class LoopbackSocket {
  public:
   explicit LoopbackSocket(std::uint16_t port) : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -65,7 +65,7 @@ TEST(StudioProgram, PrintsItsAddressAndEndsWithASignal) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const std::string begin = "http://127.0.0.1:" + std::to_string(port) + "/#";
     EXPECT_EQ(outcome.out.substr(0, begin.size()), begin);
-    // A token of 32 digits and a line end, and nothing else.
+    // A token of 32 digits and a newline, and nothing else.
     EXPECT_EQ(outcome.out.size(), begin.size() + 33) << outcome.out;
   }
 }
@@ -88,7 +88,7 @@ TEST(StudioProgram, AFolderIsOneStudiosAndAPortToo) {
   EXPECT_EQ(first.wait().status, 0);
 }
 
-// Every user of a machine can read the command lines of all programs.
+// Every user of a machine can read the command lines of all processes.
 TEST(StudioProgram, TheTokenStandsInNoCommandLine) {
   const TemporaryFolder folder;
   write_text(folder / "xdg-open",
@@ -110,7 +110,7 @@ TEST(StudioProgram, TheTokenStandsInNoCommandLine) {
   EXPECT_FALSE(contains(line, token)) << line;
   EXPECT_TRUE(contains(read_text(folder / "seen.html"), "url=" + address + "\""));
   EXPECT_EQ(read_text(folder / "mode"), "600\n");
-  EXPECT_FALSE(fs::exists(line.substr(0, line.find('\n')))) << "it outlives the studio";
+  EXPECT_FALSE(fs::exists(line.substr(0, line.find('\n')))) << "the file outlives the studio";
 }
 
 TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {

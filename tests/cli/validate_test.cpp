@@ -34,14 +34,14 @@ TEST(Validate, CpuAndVulkanAreIdentical) {
   EXPECT_TRUE(comparison.at("first_difference").is_null());
   EXPECT_EQ(comparison.at("unprobed").at("frames"), 4);
   EXPECT_EQ(comparison.at("unprobed").at("last_hash_a"), comparison.at("unprobed").at("last_hash_b"));
-  // A bar has no skeleton: in each substep predict 3, region 16, goal 3 and integrate 6 floats a vertex; what
-  // embed shows once a frame comes on top.
+  // A bar has no skeleton: each substep has 3 floats per vertex for predict, 16 for region, 3 for goal and 6
+  // for integrate; embed adds some once a frame.
   const auto vertices = result.at("vertices").get<std::uint64_t>();
   const auto steps = 4 * result.at("substeps").get<std::uint64_t>();
   EXPECT_GE(comparison.at("values_compared").get<std::uint64_t>(), vertices * steps * (3 + 16 + 3 + 6));
 }
 
-// Needs no Vulkan: the float solver against the oracle, and against itself with another number of threads.
+// Needs no Vulkan: compares the float solver with the oracle, and with itself with another number of threads.
 TEST(Validate, CpuKeepsToTheOracle) {
   const Outcome outcome =
       fascicle({"validate", "bar-hang-across", "--devices", "cpu,cpu", "--frames", "6", "--json"});
@@ -51,7 +51,7 @@ TEST(Validate, CpuKeepsToTheOracle) {
   const json& oracle = result.at("oracle").at(0);
   EXPECT_TRUE(oracle.at("holds").get<bool>());
   EXPECT_GT(oracle.at("largest_m").get<double>(), 0.0)
-      << "a float solver rounds: no distance means nothing was compared";
+      << "a float solver rounds, so a distance of zero means that nothing was compared";
   EXPECT_GE(oracle.at("largest_m").get<double>(), oracle.at("rms_m").get<double>());
   EXPECT_LE(oracle.at("relative").get<double>(), oracle.at("bound").get<double>());
 }
@@ -66,7 +66,7 @@ TEST(Inspect, SaysWhatIsThere) {
   const std::uint32_t vertices = nx * ny * nz, tetrahedra = 6 * (nx - 1) * (ny - 1) * (nz - 1);
   EXPECT_EQ(result.at("vertices"), vertices);
   EXPECT_EQ(result.at("tetrahedra"), tetrahedra);
-  // Sums of some 10,000 doubles: 1e-9 is far above their rounding.
+  // Sums of about 10,000 doubles: 1e-9 is far above their rounding error.
   EXPECT_NEAR(result.at("volume_m3").get<double>() / bar.size.prod(), 1.0, 1e-9);
   double share = 0.0;
   for (const json& layer : result.at("layers")) share += layer.at("volume_share").get<double>();
@@ -88,7 +88,7 @@ TEST(Inspect, SaysWhatIsThere) {
     EXPECT_TRUE(contains(text.out, part)) << part;
 }
 
-// A name alone is a file in the current folder.
+// A bare name is a file in the current folder.
 TEST(Inspect, ModelByItsNameAlone) {
   const TemporaryFolder folder;
   const std::string command = "cd '" + folder.path().string() +
@@ -105,7 +105,7 @@ TEST(Inspect, ModelInAFolderThatIsNotThereLeavesNothing) {
   EXPECT_TRUE(contains(outcome.err, "model.vtu")) << outcome.err;
 }
 
-// Every level of instructions that the machine has, against the scalar stages.
+// Every SIMD level of the machine, compared with the scalar stages.
 TEST(Validate, LevelsOfInstructionsAreIdentical) {
   std::string devices;
   for (const cpu_reference::Simd level : cpu_reference::available_simd())

@@ -1,4 +1,4 @@
-// fascicle view: what its page holds is the bake, by a decoder of its own; what it says, and what it refuses.
+// fascicle view: a separate decoder shows that the page contains the bake; its output, and what it refuses.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,8 @@ bool have_node() {
   return std::system("node --version > /dev/null 2>&1") == 0;
 }
 
-// What the decoder in tests/readers says, which needs node and nothing from npm; no object where it gives up.
+// The output of the decoder in tests/readers, which needs node but no npm packages; not an object if it
+// fails.
 json decoded_page(const std::string& page, const std::string& cache) {
   const TemporaryFolder folder;
   const std::string command = std::string("node '") + FASCICLE_SOURCE_DIR +
@@ -54,7 +55,7 @@ TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
   for (const std::string& scene : scenes) {
     SCOPED_TRACE(scene);
     const TemporaryFolder folder;
-    // Contact of the man's own flesh costs most of his bake, and nothing here depends on it.
+    // Self-contact takes most of the man's bake and does not matter here.
     const bool is_arm = scene == "arm";
     bake_of(scene, folder / "bake",
             {"--end", is_arm ? "1" : "0.3", "--format", "pc2", "--set", "contact.self=false"});
@@ -69,9 +70,9 @@ TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
     EXPECT_EQ(said["vertices"], found["cache_vertices"]);
     EXPECT_EQ(found["left_over"], 0);
     EXPECT_EQ(said["error"], found["stated"]);
-    // The grid's step is a double: its multiples are off by less than a billionth of it.
+    // The grid's step is a double; its multiples are off by less than a billionth of it.
     EXPECT_LE(found["largest"].get<double>(), found["stated"].get<double>() * (1 + 1e-6));
-    // A bound of a whole different size would be met by a page of nothing.
+    // The bound must not be far too generous, or a page without motion could meet it.
     EXPECT_GT(found["largest"].get<double>(), 0.5 * found["stated"].get<double>());
     EXPECT_LE(found["stated"].get<double>(), 2e-4);
     if (is_arm) {
@@ -80,7 +81,7 @@ TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
   }
 }
 
-// The control: a page with one byte changed is not the bake.
+// The control: a page with one changed byte is detected.
 TEST(View, ADamagedPageIsSeen) {
   FASCICLE_NEEDS(have_node(), "FASCICLE_REQUIRE_READERS", "node on the PATH");
   const TemporaryFolder folder;
@@ -93,7 +94,7 @@ TEST(View, ADamagedPageIsSeen) {
   digit = digit == 'A' ? 'B' : 'A';
   write_text(folder / "page.html", page);
   const json found = decoded_page(folder / "page.html", folder / "bake/surface.pc2");
-  // Either the data end where they should not, or other places come out.
+  // Either decoding ends too early or too late, or positions differ.
   const bool is_seen =
       !found.is_object() || found["largest"].get<double>() > 2 * found["stated"].get<double>();
   EXPECT_TRUE(is_seen) << found;
@@ -112,15 +113,15 @@ TEST(View, TheErrorIsAsAskedFor) {
   EXPECT_NEAR(fine["error"].get<double>(), 1e-5, 1e-9);
   EXPECT_NEAR(coarse["error"].get<double>(), 1e-3, 1e-7);
   EXPECT_LT(coarse["bytes"].get<double>(), fine["bytes"].get<double>());
-  // A nanometre would need more than a page's numbers have; it is told, not rounded up.
+  // A nanometre exceeds the page's number range; this is an error rather than silently rounded up.
   const Outcome refused =
       fascicle({"view", folder / "bake", "-o", folder / "page.html", "--overwrite", "--error", "1e-6"});
   EXPECT_EQ(refused.status, 2) << refused.err;
   EXPECT_TRUE(contains(refused.err, "less than a page can hold")) << refused.err;
 }
 
-// A body of revolution of rings x spokes vertices and two poles, 1.7 m high, whose upper half nods and turns
-// while the whole goes up and down: a glTF file.
+// A glTF file of a body of revolution: rings x spokes vertices and two poles, 1.7 m high. The upper half nods
+// and turns while the whole body moves up and down.
 std::string nodding_body(std::size_t rings, std::size_t spokes) {
   std::vector<float> positions, weights, times, turns, rises;
   std::vector<std::uint16_t> joints;
@@ -158,7 +159,7 @@ std::string nodding_body(std::size_t rings, std::size_t spokes) {
   for (int k = 0; k <= 30; ++k) {
     const double time = 0.05 * k, half = 0.35 * std::sin(7.0 * time), spin = 0.3 * std::sin(4.0 * time);
     times.push_back(static_cast<float>(time));
-    // A turn about y, then one about z.
+    // A rotation about y, then one about z.
     for (const double value : {std::sin(half) * std::sin(spin), std::cos(half) * std::sin(spin),
                                std::sin(half) * std::cos(spin), std::cos(half) * std::cos(spin)})
       turns.push_back(static_cast<float>(value));
@@ -208,7 +209,7 @@ std::string nodding_body(std::size_t rings, std::size_t spokes) {
   return document.dump();
 }
 
-// The bar: 90 frames of 13,000 vertices under 6 MB, three.js and all.
+// The requirement: 90 frames of 13,000 vertices below 6 MB, including three.js.
 TEST(View, NinetyFramesOfThirteenThousandVerticesAreBelowSixMegabytes) {
   const TemporaryFolder folder;
   write_text(folder / "body.gltf", nodding_body(130, 100));
@@ -244,8 +245,7 @@ TEST(View, BadUsageAndBadInputAreToldApart) {
   EXPECT_TRUE(read_text(page) == before) << "the same bake gives the same page";
 }
 
-// What the bake kept is not trusted: as an export, a page is refused where it is damaged, and none is
-// written.
+// The bake's files are not trusted: as for an export, damage is an error, and no page is written.
 TEST(View, ADamagedBakeIsRefused) {
   const TemporaryFolder folder;
   bake_of("arm", folder / "whole", {"--end", "0.1"});
@@ -264,7 +264,7 @@ TEST(View, ADamagedBakeIsRefused) {
   }
 }
 
-// A scene's name may hold what a page would obey.
+// A scene's name may contain markup.
 TEST(View, NamesStayText) {
   const TemporaryFolder folder;
   const std::string name = "</script><img src=x onerror=alert(1)>@BAKE@&amp;";

@@ -1,4 +1,4 @@
-// Which frames a made metrics.csv calls the worst.
+// Which frames of a made-up metrics.csv are the worst.
 #include "host/cli/worst_frames.h"
 
 #include <cstdint>
@@ -35,11 +35,11 @@ TEST_F(WorstFrames, LookDecidesAndNeighboursAreLeftOut) {
   EXPECT_EQ(read.frames[3].look, 3.5);
   EXPECT_EQ(read.frames[3].cause, "jump");
   EXPECT_EQ(read.frames[3].joint, "shin, \"left\"");
-  EXPECT_EQ(read.frames[0].cause, "stretch");  // equals: the first column
+  EXPECT_EQ(read.frames[0].cause, "stretch");  // a tie: the first column
   EXPECT_EQ(cli::worst_frames(read, 10, 3, 2), (Frames{3, 7, 0}));
   EXPECT_EQ(cli::worst_frames(read, 10, 3, 0), (Frames{3, 4, 2}));  // the control: neighbours are worse
-  EXPECT_EQ(cli::worst_frames(read, 10, 9, 2), (Frames{3, 7, 0}));  // no more fit between
-  EXPECT_EQ(cli::worst_frames(read, 3, 9, 1), (Frames{2, 0}));      // frames that are not there
+  EXPECT_EQ(cli::worst_frames(read, 10, 9, 2), (Frames{3, 7, 0}));  // no more frames fit in between
+  EXPECT_EQ(cli::worst_frames(read, 3, 9, 1), (Frames{2, 0}));      // frames that do not exist
 }
 
 TEST_F(WorstFrames, WithoutLookInvertedBeyondSkinningsAndThenLagDecide) {
@@ -51,7 +51,7 @@ TEST_F(WorstFrames, WithoutLookInvertedBeyondSkinningsAndThenLagDecide) {
       "3,9,1,0,0\n"
       "4,0,0,0.95,0\n"
       "5,nan,0,0,0\n"
-      "6,9");  // cut off
+      "6,9");  // truncated
   EXPECT_FALSE(read.has_look);
   ASSERT_EQ(read.frames.size(), 6u);
   EXPECT_EQ(cli::worst_frames(read, 6, 6, 0), (Frames{5, 3, 2, 4, 0, 1}));
