@@ -82,7 +82,7 @@ TEST(Limits, ATetrahedronKeepsTheLargestShareOfItsFreeCorners) {
   EXPECT_EQ(m.limit.size(), expected);
 }
 
-// A layer without a share of its own is unlimited, except in tetrahedra that it shares with a limited layer.
+// A layer without a least volume is unlimited, except in tetrahedra that it shares with a limited layer.
 TEST(Limits, ALayerOfItsOwn) {
   const Model m = build_quietly(two_layers(0.0, 0.3));
   EXPECT_TRUE(m.has_limits());

@@ -100,7 +100,7 @@ TEST_F(Submissions, OfOneSliceEachKeepTheBits) {
 }
 
 // Workgroups of several slices, reading several neighbours at a time, and neighbours that do not fit into 16
-// bits have no effect on bits, even where a stage is split.
+// bits do not change the result, even where a stage is split.
 TEST_F(Submissions, OfAnyTuningKeepTheBits) {
   for (const gpu::Tuning tuning : {gpu::Tuning{64, 2}, gpu::Tuning{128, 4}, gpu::Tuning{96, 7}}) {
     Counts counts;
