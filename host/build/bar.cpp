@@ -46,11 +46,11 @@ constexpr double least_volume_ratio = 0.1;
 
 void check_bar(const scene::Bar& bar, const std::string& source) {
   double vertices = bar.count;
-  if (bar.count == 0) fail(source, "bar: count: 1 or more are needed");
+  if (bar.count == 0) fail(source, "bar: count: must be at least 1");
   if (!(bar.gap >= 0.0) || !std::isfinite(bar.gap)) fail(source, "bar: gap: must not be below 0");
   for (int a = 0; a < 3; ++a) {
     const std::uint32_t n = bar.vertices[static_cast<std::size_t>(a)];
-    if (n < 2) fail(source, "bar: vertices: 2 or more are needed along each axis, not " + std::to_string(n));
+    if (n < 2) fail(source, "bar: vertices: must be at least 2 along each axis, not " + std::to_string(n));
     if (!(bar.size[a] > 0.0) || !std::isfinite(bar.size[a]))
       fail(source, "bar: size: must be above 0 along each axis");
     vertices *= n;
@@ -58,7 +58,7 @@ void check_bar(const scene::Bar& bar, const std::string& source) {
   // Six tetrahedra per cell with four corners each must be countable in 32 bits.
   if (vertices > 1.7e8)
     fail(source, "bar: vertices: " + std::to_string(static_cast<std::uint64_t>(vertices)) +
-                     " vertices are more than can be numbered; use a coarser bar");
+                     " vertices are too many to index; use a coarser bar");
   if (!(bar.jitter >= 0.0 && bar.jitter <= 0.3)) fail(source, "bar: jitter: must lie in [0, 0.3]");
 }
 
@@ -138,8 +138,7 @@ mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
 
   if (!tetrahedra_without_volume(mesh).empty())
     fail(source,
-         "bar: size: its cells have no volume that can be told; make its thin sides longer, or give them "
-         "fewer "
+         "bar: size: its cells have no measurable volume; make its thin sides longer, or give them fewer "
          "vertices");
   if (bar.jitter > 0.0)
     apply_jitter(mesh, std::move(displacement), spacing[0] * spacing[1] * spacing[2] / 6.0);

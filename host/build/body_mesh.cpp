@@ -76,8 +76,8 @@ struct Choice {
 };
 
 Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cage) {
-  if (scene.body.cage == scene::Cage::wrap) return {true, "asked for"};
-  if (scene.body.cage == scene::Cage::off) return {false, "asked for"};
+  if (scene.body.cage == scene::Cage::wrap) return {true, "requested"};
+  if (scene.body.cage == scene::Cage::off) return {false, "requested"};
   const std::string defects = defects_of(cage.findings);
   if (!defects.empty()) return {true, "the skin has " + defects};
   if (skin.skeleton.empty()) return {false, "the skin encloses a volume"};
@@ -86,7 +86,7 @@ Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cag
                       std::to_string(static_cast<int>(std::lround(cage.skin_spacing.ratio()))) +
                       " from the 1st to the 99th percentile"};
   if (skin.welded.surface.vertices.size() > scene.body.vertices.value_or(default_vertices))
-    return {true, "the skin alone has more vertices than wanted"};
+    return {true, "the skin alone has more vertices than requested"};
   return {false, "the skin encloses a volume and is even"};
 }
 
@@ -154,10 +154,11 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   smooth_inside(body.mesh, vertices_at(on_bones, body.mesh));
   report.fill.cage.fill_seconds = seconds_since(start);
   if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
-    warn_of_flesh(report,
-                  "the kept skin alone has " + std::to_string(surface.vertices.size()) +
-                      " vertices; only the inside could follow the resolution that was asked for. Set cage = "
-                      "\"wrap\" to remesh the skin");
+    warn_of_flesh(
+        report,
+        "the kept skin alone has " + std::to_string(surface.vertices.size()) +
+            " vertices, so only the inside has the requested resolution; set cage = \"wrap\" to remesh "
+            "the skin");
   return body;
 }
 
@@ -235,8 +236,8 @@ void refuse_flat_fill(const mesh::TetMesh& mesh, bool is_cage, const std::string
   text << "mesh: " << counted(flat.size(), "tetrahedron that fills", "tetrahedra that fill")
        << " the surface would have no volume, near (" << at[0] << " " << at[1] << " " << at[2]
        << ") m; the surface is too flat or too finely folded there. "
-       << (is_cage ? "Give it a thickness, or set another --resolution or --cage-detail"
-                   : "Give it a thickness, or take --cage wrap");
+       << (is_cage ? "Thicken it, or set another --resolution or --cage-detail"
+                   : "Thicken it, or use --cage wrap");
   fail(source, text.str());
 }
 

@@ -138,7 +138,7 @@ class Chooser {
                        !inside.contains(place_[j]) &&
                        search.nearest(place_[j]).distance > control_distance * extent_;
       if (wanted_[j])
-        why_[j] = "asked for";
+        why_[j] = "requested";
       else if (can_be_bone(j) && choice_.report[j].openness <= most_open_limb)
         why_[j] = "its skin closes around it";
       is_bone_[j] = !refused_[j] && !why_[j].empty();
@@ -210,7 +210,7 @@ class Chooser {
       const JointReport& parent = choice_.report[static_cast<std::size_t>(above)];
       if (choice_.report[j].share < goes_on_share * parent.share) continue;
       is_bone_[j] = 1;
-      why_[j] = "goes on from " + parent.name + " with most of its skin";
+      why_[j] = "continues " + parent.name + " with most of its skin";
     }
   }
 
@@ -445,13 +445,13 @@ class Chooser {
       std::ostringstream text;
       text << std::fixed << (joint.is_bone ? "bone: " : "no bone: ");
       if (!(joint.share > 0.0)) {
-        joint.reason = joint.is_bone ? "bone: asked for" : "no bone: moves no skin";
+        joint.reason = joint.is_bone ? "bone: requested" : "no bone: moves no skin";
         continue;
       }
       if (!why_[j].empty())
         text << why_[j];
       else if (refused_[j])
-        text << "asked for";
+        text << "excluded";
       else if (is_control_[j])
         text << "a control outside the skin";
       else if (joint.share < settings_.least_share)

@@ -102,8 +102,7 @@ void check_shared_masses(const scene::Scene& scene, const Model& model) {
     const scene::Layer& layer = scene.layers[model.layer_of(i)];
     return "layers." + layer.name + ".density of " + base::number_text(layer.density);
   };
-  fail(scene.source, density(*least) +
-                         ": vertices there are lighter by more than a factor of 7e10 than with " +
+  fail(scene.source, density(*least) + ": vertices there are over 7e10 times lighter than with " +
                          density(*most) + "; make the densities, or the mesh, more even");
 }
 
@@ -147,8 +146,8 @@ void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& mode
   warn_of_flesh(
       report,
       counted(regions.size(), "vertex lies", "vertices lie") +
-          " among tetrahedra that are so much smaller, flatter or softer than the rest that the region "
-          "around never turns (vertex " +
+          " among tetrahedra so much smaller, flatter or softer than the rest that the region around never "
+          "rotates (vertex " +
           list_of(regions) + "); make the mesh or alpha more even there",
       regions);
 }
@@ -163,7 +162,7 @@ void write_weights(const scene::Scene& scene, const Layering& layering, const st
   if (scene.solver.integrator == scene::Integrator::implicit_step) {
     if (!model.momentum_scaled)
       fail(scene.source,
-           "solver.weights: the implicit integrator needs momentum-scaled weights; say \"symmetric\"");
+           "solver.weights: the implicit integrator needs momentum-scaled weights; set \"symmetric\"");
     make_elastic(scene, layering, rings, state, volume, weights, model, report,
                  memory != nullptr ? &memory->elastic : nullptr);
     for (std::uint32_t i = 0; i < stiffness.size(); ++i)
@@ -247,7 +246,7 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
     std::sort(one_each.begin(), one_each.end());
     warn_of_flesh(report,
                   "the mesh has " + std::to_string(one_each.size()) +
-                      " parts that do not touch; one vertex of each is named",
+                      " parts that do not touch; one vertex of each is listed",
                   one_each);
   }
   // Solids may catch falling parts, so there is no warning.
@@ -272,9 +271,8 @@ void warn_of_size(double size, const std::string& name, Report& report) {
   if (size >= smallest && size <= largest) return;
   std::ostringstream text;
   text << std::setprecision(3) << name << " is " << size
-       << " m long; where its file is not in metres, scale its root there, or gravity and stiffness will not "
-          "be "
-          "those of its size";
+       << " m long; if its file is not in metres, scale its root there, or gravity and stiffness will not "
+          "match its size";
   warn_of_flesh(report, text.str());
 }
 

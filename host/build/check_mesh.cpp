@@ -58,7 +58,7 @@ void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& re
   if (vertex_count > std::numeric_limits<std::uint32_t>::max() / 4 ||
       tetrahedron_count > std::numeric_limits<std::uint32_t>::max() / 4)
     fail(source, "mesh: " + std::to_string(tetrahedron_count) +
-                     " tetrahedra are more than can be numbered; use a coarser mesh");
+                     " tetrahedra are too many to index; use a coarser mesh");
 
   std::vector<std::uint32_t> bad;
   for (std::uint32_t i = 0; i < vertex_count; ++i)
@@ -87,8 +87,9 @@ void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& re
     }
   }
   if (!out_of_range.empty())
-    fail(source, "mesh: a corner is not below the " + std::to_string(vertex_count) +
-                     " vertices in tetrahedron " + list_of(out_of_range) + " (counted from 0)");
+    fail(source, "mesh: corner numbers must be below " + std::to_string(vertex_count) +
+                     ", the number of vertices, but are not in tetrahedron " + list_of(out_of_range) +
+                     " (counted from 0)");
   if (!repeated.empty())
     fail(source, "mesh: one vertex is named twice in tetrahedron " + list_of(repeated) +
                      " (counted from 0); remove it");
@@ -134,7 +135,7 @@ void warn_of_flat_tetrahedra(const mesh::TetMesh& mesh, const std::vector<char>&
       counted(flat.size(), "vertex lies", "vertices lie") +
           " among tetrahedra flatter than 1:" + std::to_string(std::lround(1.0 / least_flatness)) +
           ", down to 1:" + std::to_string(std::lround(1.0 / flattest)) +
-          ": there rounding may move flesh by 0.001 of the body's length and more; even out the mesh",
+          ": rounding may move flesh there by 0.001 of the body's length or more; make the mesh more even",
       flat);
 }
 

@@ -37,10 +37,11 @@ void warn_of_enclosed(const scene::Collider& collider, const scene::Solid& solid
     if (warning.vertices.size() < 5) warning.vertices.push_back(model.source_vertex[i]);
   }
   if (static_cast<double>(inside) <= much_flesh * static_cast<double>(free)) return;
-  warning.text = "collider." + collider.name + ": " + std::to_string(inside) + " of " + std::to_string(free) +
-                 " free vertices lie in it at rest, and are lifted out slowly; move it (the body's lowest "
-                 "point is at y = " +
-                 base::number_text(lowest) + " m)";
+  warning.text =
+      "collider." + collider.name + ": " + std::to_string(inside) + " of " + std::to_string(free) +
+      " free vertices are inside it at rest and will be pushed out slowly; move it (the body's lowest "
+      "point is at y = " +
+      base::number_text(lowest) + " m)";
   report.warnings.push_back(std::move(warning));
 }
 

@@ -87,7 +87,7 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
   const auto flesh_of = [&](const std::string& name) {
     std::vector<char> is_its = flesh.of(name, key);
     if (std::none_of(is_its.begin(), is_its.end(), [](char flag) { return flag != 0; }))
-      warn(report, key + ": \"" + name + "\" has no flesh, so there is nothing to keep from meeting");
+      warn(report, key + ": \"" + name + "\" has no flesh, so it has no contact to ignore");
     return is_its;
   };
 
@@ -98,7 +98,7 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
     if (at != names.end()) return group;
     if (names.size() == scene::most_ignored_names)
       fail(scene.source, key + ": its pairs have more than " + std::to_string(scene::most_ignored_names) +
-                             " names; name joints further up, which stand for those below them");
+                             " names; name joints further up, which include those below them");
     names.push_back(name);
     result.groups.resize(layer.size(), 0);
     const std::vector<char> is_its = flesh_of(name);
@@ -122,8 +122,8 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
     result.meets_others_only = true;
     if (names.size() + body.members.size() > scene::most_ignored_names)
       fail(scene.source,
-           "contact.self: where it is false, the characters and the names in pairs of contact.ignore "
-           "are at most " +
+           "contact.self: if it is false, the characters and the names in pairs of contact.ignore must be at "
+           "most " +
                std::to_string(scene::most_ignored_names) + " together; set contact.self = true");
     result.groups.resize(layer.size(), 0);
     for (std::size_t i = 0; i < layer.size(); ++i)

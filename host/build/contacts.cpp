@@ -445,9 +445,8 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
   if (tetrahedra.empty() || std::none_of(is_point.begin(), is_point.end(), [](char is) { return is != 0; })) {
     if (!settings.self) return;
     fail(source,
-         "contact: no flesh is left that could meet other flesh; leave some of what keeps it from that "
-         "out (contact.ignore, contact.attribute, contact = false of layers), or set contact.self = "
-         "false");
+         "contact: no flesh is left that could meet other flesh; remove some exclusions (contact.ignore, "
+         "contact.attribute, contact = false of layers), or set contact.self = false");
   }
 
   model.contact_tetrahedron = tetrahedra;

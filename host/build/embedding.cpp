@@ -194,12 +194,12 @@ RenderMesh embed_surface(const mesh::SurfaceMesh& surface, const WeldedSurface& 
     warn_of_flesh(report, counted(outside.size(), "vertex of the skin sticks", "vertices of the skin stick") +
                               " out of the cage, by up to " + std::to_string(-report.fill.least_barycentric) +
                               " of a tetrahedron's height (vertex " + list_of(outside) +
-                              " of the file); ask for a smaller resolution (edge length)");
+                              " of the file); use a smaller resolution (edge length)");
   if (!astray.empty())
     warn_of_flesh(
         report,
-        counted(astray.size(), "vertex of the skin rides", "vertices of the skin ride") +
-            " on flesh that other joints move (vertex " + list_of(astray) +
+        counted(astray.size(), "vertex of the skin follows", "vertices of the skin follow") +
+            " flesh that other joints move (vertex " + list_of(astray) +
             " of the file); one part may lie inside another, or the cage is too coarse to tell them apart");
   return render;
 }

@@ -133,12 +133,12 @@ std::vector<Vector3d> solve_field(const scene::Scene& scene, const std::vector<s
       fibre_constraints(scene, layer_of, mean_edge_of(vertices, rings), measures);
   if (constraints.empty())
     fail(scene.source,
-         "layers: fibre_field is asked for, but nothing says where the fibres lead; add [bones.NAME] or draw "
+         "layers: fibre_field is set, but nothing gives the fibres a direction; add [bones.NAME] or draw "
          "[fibres.NAME]");
   const FibreSolution solution = solve_fibre_field(vertices, rings, constraints);
   if (!solution.has_converged)
     fail(scene.source,
-         "layers: the fibre field could not be solved; the tetrahedra are too uneven, ask for "
+         "layers: the fibre field could not be solved; the tetrahedra are too uneven, use "
          "another resolution, or give the layers one `fibre` each");
   FibreReport& fibres = report.fibres;
   fibres.constraints = static_cast<std::uint32_t>(constraints.size());

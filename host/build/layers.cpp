@@ -22,8 +22,7 @@ void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_
     if (scene.layers[l].kinematic)
       fail(scene.source, key +
                              ": this kinematic layer holds no vertex; widen its shapes (a larger distance "
-                             "from the bones), or "
-                             "ask for a finer mesh");
+                             "from the bones), or use a finer mesh");
     warn_of_flesh(report, key + ": holds no vertex");
   }
 }
@@ -36,7 +35,7 @@ void check_only(const scene::Scene& scene, const std::vector<char>& kinematic, R
   if (only.empty() || free >= fewest_worth_simulating) return;
   warn(report, "skeleton.only: only " + std::to_string(free) + " of " + std::to_string(kinematic.size()) +
                    " vertices are simulated; name the joint above " + only.front() +
-                   ", or ask for a finer mesh (--resolution)");
+                   ", or use a finer mesh (--resolution)");
 }
 
 bool is_painted(const scene::Shape& shape) {
@@ -118,7 +117,7 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     for (const std::uint32_t b : found.without)
       names += (names.empty() ? "" : ", ") + name_of(body, body.bones[b]);
     warn_of_flesh(report, key + counted(found.without.size(), "bone owns", "bones own") + " no vertex (" +
-                              names + "); widen the layer, or ask for a finer mesh");
+                              names + "); widen the layer, or use a finer mesh");
   }
   if (found.islands > 1) {
     std::string names;
@@ -130,7 +129,7 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
         report,
         key + "the bones of " + names +
             " are cut off from the rest: no chain of bone vertices joins them through the flesh; name the "
-            "joints between in skeleton.bones, or ask for a finer mesh",
+            "joints between in skeleton.bones, or use a finer mesh",
         numbers_of(found.island_vertex, source_vertex));
   }
 }
@@ -167,8 +166,8 @@ std::vector<double> alphas(const scene::Scene& scene, Measures& measures,
       if (measures.body().bones.empty())
         fail(scene.source,
              key +
-                 ".alpha_outer: the layer's inner side is the one to the bones, but there are none; "
-                 "add bones, or leave it out");
+                 ".alpha_outer: the layer's inner side faces the bones, but there are none; add bones, "
+                 "or remove it");
       const bool by_distance = std::any_of(layer.where.begin(), layer.where.end(), [](const scene::Shape& s) {
         return std::holds_alternative<scene::BoneDistance>(s);
       });
@@ -200,7 +199,7 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
   if (scene.layers.empty()) fail(scene.source, "layers: at least one is needed");
   if (scene.layers.size() > shader::tag_layer_mask + std::size_t{1})
     fail(scene.source,
-         "layers: " + std::to_string(scene.layers.size()) + " are more than the 256 there can be");
+         "layers: " + std::to_string(scene.layers.size()) + " are too many; at most 256 are allowed");
 
   Layering result;
   std::uint32_t rest = no_layer;
@@ -222,9 +221,10 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
     if (result.layer[i] == no_layer) unclaimed.push_back(source_vertex[i]);
   std::sort(unclaimed.begin(), unclaimed.end());
   if (!unclaimed.empty())
-    fail(scene.source, "layers: no layer takes " + counted(unclaimed.size(), "vertex", "vertices") + " (" +
-                           list_of(unclaimed) +
-                           "); widen a layer's shapes, or give one layer none, which makes it take the rest");
+    fail(scene.source,
+         "layers: no layer covers " + counted(unclaimed.size(), "vertex", "vertices") + " (" +
+             list_of(unclaimed) +
+             "); widen a layer's shapes, or give one layer no shapes, so that it gets the rest");
   complete_bones(scene, measures, rings, source_vertex, is_painted_on, result.layer, report);
   check_layers_used(scene, result.layer, report);
   result.alpha = alphas(scene, measures, result.layer);

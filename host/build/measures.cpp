@@ -248,9 +248,8 @@ const std::vector<double>& Measures::painted(const std::string& name, const std:
   std::size_t channel = 0;
   const rig::PaintedAttribute* attribute = find_painted(body_, name, channel);
   if (attribute == nullptr)
-    fail(source, key + ": nothing called \"" + name + "\" is painted on the character (" +
-                     painted_names(body_) +
-                     "); one of several numbers is named with .r .g .b .a or .x .y .z .w");
+    fail(source, key + ": the character has no painted attribute \"" + name + "\" (" + painted_names(body_) +
+                     "); select one of several numbers with .r .g .b .a or .x .y .z .w");
   const SurfaceSearch search(body_.skin_surface);
   for (const Vector3d& p : body_.mesh.vertices) {
     const SurfacePoint place = search.nearest(p);

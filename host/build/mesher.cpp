@@ -15,9 +15,8 @@ fs::path mesher_path(const BuildOptions& options) {
   }
   fs::path found = base::find_helper(mesher_name);
   if (!found.empty()) return found;
-  throw SceneError(
-      std::string(mesher_name) + ": not found in " + base::own_folder().string() +
-      " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
+  throw SceneError(std::string(mesher_name) + ": not found in " + base::own_folder().string() +
+                   " or on PATH; it fills surfaces with tetrahedra, install it beside this program");
 }
 
 ProcessLimits mesher_limits(const BuildOptions& options, double elements, double bytes_each) {
@@ -33,8 +32,8 @@ void fail_memory(const ProcessLimits& limits, const BuildOptions& options, std::
   const std::string least = what + " needs more than the " + std::to_string(limits.bytes >> 20) + " MiB ";
   if (limits.bytes == options.mesher_bytes) throw SceneError(least + "of memory allowed; " + cure);
   throw SceneError(least + "set aside for a surface of " + std::to_string(triangles) +
-                   " triangles at this resolution. Often thin parts, splinters or crossing triangles are the "
-                   "cause. Remesh the surface, or " +
+                   " triangles at this resolution. The cause is often thin parts, splinters or crossing "
+                   "triangles. Remesh the surface, or " +
                    cure);
 }
 
@@ -72,8 +71,9 @@ void check_time(const ProcessResult& result, const ProcessLimits& limits, const 
   if (result.end == ProcessEnd::timed_out)
     throw SceneError(what + " took longer than the " + seconds + " of processor time allowed; " + cure);
   if (result.end == ProcessEnd::stalled)
-    throw SceneError(what + " stood still for " + seconds +
-                     ": the mesher got no processor time; see what keeps this machine busy, and try again");
+    throw SceneError(
+        what + " made no progress for " + seconds +
+        ": the mesher got no processor time; find out what keeps this machine busy, and try again");
 }
 
 void fail_result(const std::string& what) {

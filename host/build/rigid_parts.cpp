@@ -216,14 +216,14 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
                        character.skeleton[joint].name, "",
                        is_whole ? in_file(part.vertices, every) : in_file(part.vertices, is_asked)};
     if (asked == part.vertices.size())
-      report.reason = "asked for";
+      report.reason = "requested";
     else if (!is_found)
-      report.reason = "asked for; the rest of its part is soft";
+      report.reason = "requested; the rest of its part is soft";
     else if (all_hard)
-      report.reason = "one joint moves it, as one moves every part: this is a robot, which has no flesh";
+      report.reason = "every part is moved by one joint: this is a robot, which has no flesh";
     else
-      report.reason = (part.is_hard ? "a part of its own that one joint moves"
-                                    : "a part of its own that one blend of joints moves") +
+      report.reason = (part.is_hard ? "a separate part moved by one joint"
+                                    : "a separate part moved by one blend of joints") +
                       std::string(", ") + base::percent_text(part.area / whole) + " of the skin";
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
@@ -236,7 +236,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
         std::all_of(inlay.vertices.begin(), inlay.vertices.end(), is_rigid))
       continue;
     rigid.report.push_back({name_of_vertex(character, inlay.first), character.skeleton[joint].name,
-                            "a patch of its own material that one joint moves, " +
+                            "a patch of separate material moved by one joint, " +
                                 base::percent_text(inlay.area / whole) + " of the skin",
                             in_file(inlay.vertices, [](std::uint32_t) { return true; })});
     for (const std::uint32_t v : inlay.vertices) rigid.is_rigid[v] = 1;

@@ -28,7 +28,7 @@ using Influences = std::vector<Influence>;
 void check_weights(const rig::Character& character, std::span<const std::uint32_t> welded,
                    const std::string& source) {
   if (character.weights.size() != welded.size() || character.joints.size() != welded.size())
-    fail(source, "mesh: " + std::to_string(character.weights.size()) + " vertices have weights, of " +
+    fail(source, "mesh: " + std::to_string(character.weights.size()) + " vertices have skin weights, of " +
                      std::to_string(welded.size()) + "; every vertex needs them");
   std::vector<std::uint32_t> bad;
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
@@ -102,8 +102,8 @@ std::vector<std::vector<VertexValue>> carried_inside(const mesh::TetMesh& mesh,
     if (given[joint].empty()) return;
     std::optional<std::vector<VertexValue>> values = extension[worker].extend(given[joint]);
     if (!values)
-      fail(source, "mesh: skin weights could not be carried inside for joint " + std::to_string(joint) +
-                       "; the tetrahedra are too flat, ask for another resolution");
+      fail(source, "mesh: skin weights could not be extended to the inside for joint " +
+                       std::to_string(joint) + "; the tetrahedra are too flat, use another resolution");
     std::erase_if(*values, [](const VertexValue& v) { return !(v.value >= least_share); });
     found[joint] = std::move(*values);
   });
@@ -177,7 +177,7 @@ SkinWeights harmonic_skin_weights(const mesh::TetMesh& mesh, const SkinWeights& 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].empty())
       fail(source, "mesh: no joint reaches vertex " + std::to_string(i) +
-                       " of the tetrahedral mesh; ask for another resolution");
+                       " of the tetrahedral mesh; use another resolution");
     finish(rows[i]);
   }
   return flattened(rows);

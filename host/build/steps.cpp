@@ -15,7 +15,7 @@ namespace fascicle::build {
 namespace {
 
 constexpr double radians_a_turn = 2.0 * std::numbers::pi;
-constexpr const char* stated = "the scene says so";
+constexpr const char* stated = "set by the scene";
 // For a scene that states its substeps: more iterations cost no further substeps, so even a few go far.
 constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
 constexpr std::uint32_t most_substeps = 1000;
@@ -57,11 +57,11 @@ Steps choose_explicit_steps(const scene::Scene& scene, const model::Model& model
   if (is_soft && needed > most_explicit_auto_substeps)
     warn(report, "solver.substeps: alpha needs " +
                      std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
-                     " substeps to mean the same as at other frame rates and spacings; \"auto\" takes " +
+                     " substeps to mean the same at every frame rate and spacing; \"auto\" uses " +
                      std::to_string(most_explicit_auto_substeps) +
-                     " at most, so flesh will be softer; raise fps, or take a coarser mesh");
+                     " at most, so flesh will be softer; raise fps, or use a coarser mesh");
   return {.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps})),
-          .reason = "alpha means the same with them at every frame rate and spacing"};
+          .reason = "with these, alpha means the same at every frame rate and spacing"};
 }
 
 // The stiffness that the iterations see: mass-weighted mean of K/m over each layer's free vertices; 0 if
@@ -146,10 +146,10 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
     if (by_stiffness > std::max(by_quality, by_mode)) steps.reason = "the stiffness of " + of_layer(stiff);
     const double by_flesh = std::ceil(std::max(by_mode, by_stiffness));
     if (by_flesh > most_auto_substeps)
-      warn(report, of_layer(by_stiffness > by_mode ? stiff : swing) + ": is so stiff that it would take " +
-                       rounded_up(by_flesh) + " substeps; \"auto\" takes " +
+      warn(report, of_layer(by_stiffness > by_mode ? stiff : swing) + ": is so stiff that it would need " +
+                       rounded_up(by_flesh) + " substeps; \"auto\" uses " +
                        std::to_string(most_auto_substeps) +
-                       " at most. It will come to rest where it should, but move more slowly; set "
+                       " at most. It will come to rest in the right place, but move more slowly; set "
                        "solver.substeps, or make it softer");
     steps.substeps = static_cast<std::uint32_t>(
         std::ceil(std::max(by_quality, std::min(by_flesh, double{most_auto_substeps}))));
@@ -170,22 +170,21 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
     warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +
                      base::percent_text(steps.error.residual) + " of a substep's change in " +
-                     of_layer(stiff) + " undone, so it lags and gives way more than it should; " +
-                     (steps.iterations < enough ? "\"auto\" takes " + std::to_string(enough)
-                                                : std::string("take more substeps, or \"auto\"")));
+                     of_layer(stiff) + " undone, so it lags and yields more than it should; " +
+                     (steps.iterations < enough ? "\"auto\" uses " + std::to_string(enough)
+                                                : std::string("use more substeps, or \"auto\"")));
   if (solver.auto_substeps || stiff.value == 0.0) return steps;
   const double least = steps_per_second(scene::Quality::draft);
   if (model.has_skeleton() && a_second < least * (1.0 - 1e-6))
     warn(report, "solver.substeps: " + std::to_string(solver.substeps) + " a frame are " +
-                     base::short_text(a_second) +
-                     " a second, and flesh lags by more the fewer they are; take " +
+                     base::short_text(a_second) + " a second, too few for flesh not to lag; use " +
                      rounded_up(least / scene.fps) + ", or \"auto\"");
   if (!model.has_skeleton() && radians_a_turn * swing.value > longest_phase(scene::Quality::draft) * a_second)
     warn(report,
          "solver.substeps: with " + std::to_string(solver.substeps) + " the lowest mode of " +
              of_layer(swing) + ", " + base::short_text(swing.value) + " Hz, swings " +
              base::percent_text(steps.error.slower) + " slower and loses " +
-             base::percent_text(steps.error.lost) + " of its swing in each period; take " +
+             base::percent_text(steps.error.lost) + " of its swing in each period; use " +
              rounded_up(radians_a_turn * swing.value / (longest_phase(scene::Quality::draft) * scene.fps)) +
              ", or \"auto\"");
   return steps;

@@ -132,13 +132,13 @@ double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const 
   if (!lowest) {
     if (!layer.frequency && !layer.damping_ratio) return 0.0;
     fail(scene.source, "layers." + layer.name +
-                           ": nothing holds it, so its lowest mode has no frequency; pin a part, or state "
+                           ": nothing holds it, so its lowest mode has no frequency; pin a part, or set "
                            "youngs_modulus and damping");
   }
   if (!lowest->settled)
     warn(report, "layers." + layer.name +
                      ": the search for its lowest mode did not converge, so the layer may be softer than its "
-                     "frequency says; state youngs_modulus instead, and substeps as a number");
+                     "frequency says; set youngs_modulus instead, and substeps as a number");
   return lowest->square;
 }
 

@@ -54,9 +54,9 @@ void check_count(const SurfaceMesh& surface, double edge, const BuildOptions& op
   constexpr double least_bytes = 100.0;
   const double count = count_by_volume(surface, edge);
   if (!(count * least_bytes > static_cast<double>(options.mesher_bytes))) return;
-  throw SceneError("filling the surface takes about " + digits_of(std::round(count / 1e5) / 10.0) +
+  throw SceneError("filling the surface needs about " + digits_of(std::round(count / 1e5) / 10.0) +
                    " million tetrahedra, more than the " + std::to_string(options.mesher_bytes >> 20) +
-                   " MiB of memory allowed hold; ask for a larger resolution (edge length)");
+                   " MiB of memory allowed can hold; use a larger resolution (edge length)");
 }
 
 void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
@@ -79,17 +79,17 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
 [[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
                            std::size_t triangles, const ProcessLimits& limits, const BuildOptions& options) {
   check_time(result, limits, "filling the surface with tetrahedra",
-             "ask for a larger resolution (edge length) or simplify the surface");
+             "use a larger resolution (edge length) or simplify the surface");
   const bool crashed = result.end == ProcessEnd::signalled;
   if (!crashed && result.code == mesher_not_closed) {
     throw SceneError("the surface does not enclose a volume" + reason(result) +
-                     " (counted from 0); weld its vertices, close its holes and remove what is loose");
+                     " (counted from 0); weld its vertices, close its holes and remove loose parts");
   }
   if (!crashed && result.code == mesher_out_of_memory)
     fail_memory(limits, options, triangles, "filling the surface with tetrahedra",
-                "ask for a larger resolution (edge length) or simplify the surface");
+                "use a larger resolution (edge length) or simplify the surface");
   if (!crashed && result.code == mesher_empty_result) {
-    throw SceneError("the surface was filled with no tetrahedra; check that it encloses a volume");
+    throw SceneError("no tetrahedra fit into the surface; check that it encloses a volume");
   }
   if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
     // TetGen also crashes on self-intersecting surfaces: find the place.
@@ -227,7 +227,7 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
                        const BuildOptions& options) {
   if (surface.triangles.empty()) throw SceneError("the surface has no triangles; give a closed surface");
   if (!std::isfinite(edge) || edge < 0.0) {
-    throw SceneError("the wanted edge length of tetrahedra is " + digits_of(edge) +
+    throw SceneError("the requested edge length of tetrahedra is " + digits_of(edge) +
                      "; give a positive number");
   }
   const double wanted_edge = edge > 0.0 ? edge : mean_edge(surface);

@@ -53,8 +53,8 @@ void warn_of_thin_prop(const Body& body, const std::string& source, Report& foun
   // Half the thickness of a plate, a quarter of a rod's.
   warn(found,
        std::to_string(std::lround(100.0 * thin / volume)) +
-           " % of this prop's volume has no vertex inside: flesh that comes in there is not pushed out, and "
-           "may pass through; give it a `resolution` of " +
+           " % of this prop's volume has no vertex inside: flesh that enters there is not pushed out and may "
+           "pass through; give it a `resolution` of " +
            base::number_text(rounded_down(volume / area)) + " m or less, or use a [collider.NAME]");
 }
 

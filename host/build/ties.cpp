@@ -119,7 +119,7 @@ void refuse_layers_on_nothing(const scene::Scene& scene, const Model& model) {
       fail(scene.source,
            "layers." + scene.layers[l].name +
                ".sliding: none of its free vertices lies on free flesh of another layer, so there is "
-               "nothing to slide on; widen one of the two, or leave sliding out");
+               "nothing to slide on; widen one of the two, or remove sliding");
   }
 }
 
@@ -140,14 +140,12 @@ void warn_of_loose_parts(const Model& model, const std::vector<char>& slides, Re
     if (skin[p] && !held[p]) loose.push_back(lowest[p]);
   std::sort(loose.begin(), loose.end());
   if (some && !loose.empty())
-    warn_of_flesh(
-        report,
-        counted(loose.size(), "part", "parts") +
-            " of the layers that slide reach no pin and no bone: what does not close around the body slides "
-            "off it "
-            "(vertex " +
-            list_of(loose) + ")",
-        loose);
+    warn_of_flesh(report,
+                  counted(loose.size(), "part", "parts") +
+                      " of the sliding layers without a pin or a bone: a layer that does not close around "
+                      "the body slides off it (vertex " +
+                      list_of(loose) + ")",
+                  loose);
 }
 
 }  // namespace
@@ -233,11 +231,10 @@ void write_ties(const scene::Scene& scene, Model& model, Report& report) {
   if (!model.tie.empty()) write_coefficients(model);
   std::sort(too_low.begin(), too_low.end());
   if (!too_low.empty())
-    warn_of_flesh(
-        report,
-        counted(too_low.size(), "vertex of a layer that slides lies", "vertices of layers that slide lie") +
-            " too near to the flesh below to be tied to it (vertex " + list_of(too_low) + ")",
-        too_low);
+    warn_of_flesh(report,
+                  counted(too_low.size(), "vertex of a sliding layer is", "vertices of sliding layers are") +
+                      " too close to the flesh below to be tied to it (vertex " + list_of(too_low) + ")",
+                  too_low);
   warn_of_loose_parts(model, slides, report);
 }
 

@@ -31,8 +31,9 @@ void check_surface(const SurfaceMesh& surface, const std::string& source) {
     for (const std::uint32_t corner : surface.triangles[k])
       if (corner >= surface.vertices.size()) bad.push_back(k);
   if (!bad.empty())
-    fail(source, "mesh: a corner is not below the " + std::to_string(surface.vertices.size()) +
-                     " vertices in triangle " + list_of(bad) + " (counted from 0)");
+    fail(source, "mesh: corner numbers must be below " + std::to_string(surface.vertices.size()) +
+                     ", the number of vertices, but are not in triangle " + list_of(bad) +
+                     " (counted from 0)");
 }
 
 using Cell = std::array<std::int64_t, 3>;
@@ -147,10 +148,9 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
     welded.surface.triangles.push_back(t);
   }
   if (welded.surface.triangles.empty())
-    fail(source, "mesh: every triangle has two corners at the same place; check what was exported");
+    fail(source, "mesh: every triangle has two corners at the same place; check the export");
   if (is_flat_to_lines(surface, welded.surface.triangles))
-    fail(source,
-         "mesh: every triangle is flat to a line, there is no room for flesh; check what was exported");
+    fail(source, "mesh: every triangle is flat to a line, which leaves no room for flesh; check the export");
   if (collapsed > 0)
     warn_of_flesh(report, counted(collapsed, "triangle has", "triangles have") +
                               " two corners at the same place and " + (collapsed == 1 ? "was" : "were") +

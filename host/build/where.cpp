@@ -44,9 +44,10 @@ struct ShapeTest {
 
   void need_bones() const {
     if (measures.body().bones.empty())
-      fail(source, key +
-                       ": a distance from the bones is asked for, but there are none; add bones, or use "
-                       "another shape");
+      fail(source,
+           key +
+               ": needs bones to measure distances from, but there are none; add bones, or use another "
+               "shape");
   }
 
   // For the named joints, each vertex's maximum depends on its nearest bone.

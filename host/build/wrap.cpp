@@ -31,7 +31,7 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
   // Measured: a wrap of 20,000 vertices takes 4 KB per vertex, the check of 7000 triangles less than 1 KB
   // each.
   constexpr double bytes_each = 65536.0;
-  const std::string cure = "ask for less cage_detail or a larger resolution, or simplify the surface";
+  const std::string cure = "use less cage_detail or a larger resolution, or simplify the surface";
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
   const ProcessResult result = run_mesher(mesher, arguments, limits);
@@ -41,7 +41,7 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
                      "; simplify the surface");
   if (result.code == mesher_out_of_memory) fail_memory(limits, options, triangles, what, cure);
   if (result.code == mesher_wrap_failed)
-    throw SceneError(what + " failed" + reason(result) + "; ask for another resolution or cage_detail");
+    throw SceneError(what + " failed" + reason(result) + "; use another resolution or cage_detail");
   if (result.code != mesher_done)
     throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
                      reason(result) + "; check that it belongs to this version of fascicle");
@@ -71,9 +71,9 @@ void check_count(const mesh::SurfaceMesh& surface, const WrapOrder& order, const
   const double count = vertices_at(surface, order.alpha) / most_sides;
   if (!(count * least_bytes > static_cast<double>(options.mesher_bytes))) return;
   throw SceneError(
-      "wrapping the surface takes about " + digits_of(std::round(count / 1e5) / 10.0) +
+      "wrapping the surface needs about " + digits_of(std::round(count / 1e5) / 10.0) +
       " million vertices, more than the " + std::to_string(options.mesher_bytes >> 20) +
-      " MiB of memory allowed hold; ask for less cage_detail or a larger resolution (edge length)");
+      " MiB of memory allowed can hold; use less cage_detail or a larger resolution (edge length)");
 }
 
 Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
@@ -105,7 +105,7 @@ SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
     Finding* finding = finding_of(findings, name);
     if (finding == nullptr || !(words >> finding->count)) break;
     for (std::uint32_t v = 0; words >> v;) {
-      if (v >= vertex_count) fail_result("its report names a vertex that is not there");
+      if (v >= vertex_count) fail_result("its report names a vertex that does not exist");
       finding->vertices.push_back(v);
     }
   }

@@ -340,7 +340,7 @@ TEST(Layers, RefuseWhatTakesNoVertexOrLeavesSome) {
   const scene::Sphere nowhere{{9, 9, 9}, 0.1};
   scene::Scene scene = bar_scene();
   scene.layers[0].where = {scene::HalfSpace{scene::Axis::x, true, true, 0.5}};
-  expect_refusal([&] { build_quietly(scene); }, "no layer takes 250 vertices");
+  expect_refusal([&] { build_quietly(scene); }, "no layer covers 250 vertices");
   scene = bar_scene();
   scene.layers.clear();
   expect_refusal([&] { build_quietly(scene); }, "at least one");

@@ -63,7 +63,7 @@ TEST(SizeWarning, SaysHowLongTheCharacterIs) {
   ASSERT_NE(model.unit, 1.0);
   std::string said;
   for (const build::Warning& warning : report.warnings)
-    if (warning.text.find("where its file is not in metres") != std::string::npos) said = warning.text;
+    if (warning.text.find("if its file is not in metres") != std::string::npos) said = warning.text;
   const std::size_t number = said.find("is ");
   ASSERT_NE(number, std::string::npos) << "no warning about its size";
   // The warning prints three digits.

@@ -28,7 +28,7 @@ std::vector<build::Warning> stillness_warnings(const scene::Scene& scene) {
   model::check_model(build::build_model(scene, report));
   std::vector<build::Warning> found;
   for (const build::Warning& warning : report.warnings)
-    if (warning.text.find("never turns") != std::string::npos) found.push_back(warning);
+    if (warning.text.find("never rotates") != std::string::npos) found.push_back(warning);
   return found;
 }
 

@@ -121,7 +121,7 @@ TEST(Steps, TooFewIterationsAreToldOf) {
     EXPECT_GT(c.steps.error.residual, residual);
     residual = c.steps.error.residual;
     for (const build::Warning& warning : c.warnings)
-      EXPECT_NE(warning.text.find("\"auto\" takes " + std::to_string(needed)), std::string::npos)
+      EXPECT_NE(warning.text.find("\"auto\" uses " + std::to_string(needed)), std::string::npos)
           << warning.text;
   }
 }

@@ -290,7 +290,7 @@ TEST_F(Tetrahedralize, StopsMeshersThatDoNotEnd) {
   fake_mesher("trap '' TERM INT; while :; do :; done");
   EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
   fake_mesher("exec 2>&-; sleep 600");
-  EXPECT_REFUSED(refusal(unit_cube), "stood still for 0.3 s");
+  EXPECT_REFUSED(refusal(unit_cube), "made no progress for 0.3 s");
   fake_mesher("while :; do echo noise >&2; done");
   EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
   // Its child processes are killed too, even if they keep stderr open.

@@ -169,8 +169,7 @@ TEST(Ties, WarnsOfSkinThatNothingHolds) {
   scene::Scene scene = skin_scene();
   EXPECT_EQ(warnings(scene), "");
   scene.pins[0].where = {scene::Box{{-1.0, -1.0, -1.0}, {0.01, 0.05, 1.0}}};
-  EXPECT_NE(warnings(scene).find("1 part of the layers that slide reach"), std::string::npos)
-      << warnings(scene);
+  EXPECT_NE(warnings(scene).find("1 part of the sliding layers"), std::string::npos) << warnings(scene);
 }
 
 // Skin is a sheet: in its plane, a square grid of spacing d has S = m (d^2 a, d^2 b) from its neighbours; the

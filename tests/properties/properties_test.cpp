@@ -91,7 +91,7 @@ Scene random_scene(scene::Geometry geometry) {
 bool names_what_is_wrong(const std::string& message) {
   static const std::regex named(
       R"(random: (?:.*\b(?:vertex|vertices|tetrahedron) \(?\d|(?:layers|pins|probe|force)\.\w+(?:\.\w+)?: )"
-      R"(|layers: no layer takes |bar: (?:size|vertices|jitter): |mesh: there are no t|mesh: .*set `scale`))");
+      R"(|layers: no layer covers |bar: (?:size|vertices|jitter): |mesh: there are no t|mesh: .*set `scale`))");
   return std::regex_search(message, named, std::regex_constants::match_continuous);
 }
 
