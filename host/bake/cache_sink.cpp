@@ -38,8 +38,8 @@ class CacheSink final : public formats::FrameSink {
     if (before != header_)
       throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
     if (reader.frame_count() < info.first)
-      throw BakeError(path.string() + ": holds " + base::number_text(reader.frame_count()) +
-                      " whole frames and the checkpoint " + base::number_text(info.first) +
+      throw BakeError(path.string() + ": has " + base::number_text(reader.frame_count()) +
+                      " complete frames, but the checkpoint has " + base::number_text(info.first) +
                       "; start again with --overwrite");
     file_.emplace(path, base::FileMode::modify);
     if (reader.header() != header_) file_->write_at(0, encode_cache_header(header_));

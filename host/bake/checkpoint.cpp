@@ -145,7 +145,7 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
     parser.damaged();
   if (parser.value<std::uint32_t>() != checkpoint_version)
     throw BakeError(path.string() +
-                    ": a checkpoint of another version of fascicle; start again with --overwrite");
+                    ": another version of fascicle wrote this checkpoint; start again with --overwrite");
   Checkpoint checkpoint;
   const auto identity_bytes = parser.value<std::uint32_t>();
   const Json identity = Json::parse(base::shallow_json(parser.take(identity_bytes)), nullptr, false);

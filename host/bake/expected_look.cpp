@@ -276,7 +276,7 @@ std::string expected_look_warning(const scene::Scene& scene, const model::Model&
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried) {
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   return "frames " + base::number_text(tried.first + 1) + " to " + base::number_text(tried.last) +
-         " were tried before the bake, and look wrong: " +
+         " were tried before the bake and look wrong: " +
          look_warning(tried.cause, tried.worst, skeleton[tried.worst.joint].name, tried.frame,
                       tried.frames_over);
 }

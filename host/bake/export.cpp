@@ -41,8 +41,7 @@ std::vector<const formats::Format*> chosen(const std::vector<std::string>& names
     possible += (possible.empty() ? "" : ", ") + format.name;
     if (wanted) formats.push_back(&format);
   }
-  if (!left.empty())
-    throw BakeError("--to " + left.front() + ": there is no such format; there are " + possible);
+  if (!left.empty()) throw BakeError("--to " + left.front() + ": no such format; use any of " + possible);
   if (formats.empty()) throw BakeError("no format given; use --to with any of " + possible);
   return formats;
 }

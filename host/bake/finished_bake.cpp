@@ -39,10 +39,10 @@ FrameCacheReader finished_cache(const fs::path& folder, const ManifestSummary& m
     throw BakeError(folder.string() + ": the bake is not finished" +
                     (failed ? ", it failed (" + manifest.message + ")" : "") + ", " +
                     base::number_text(cache.frame_count()) + " of " + base::number_text(wanted) +
-                    " frames are there; go on with fascicle bake --resume, or bake again with --overwrite");
+                    " frames exist; continue with fascicle bake --resume, or bake again with --overwrite");
   }
   if (manifest.fps && *manifest.fps != cache.header().fps)
-    throw BakeError((folder / manifest_name).string() + ": has another frame rate than " + cache_name +
+    throw BakeError((folder / manifest_name).string() + ": has a different frame rate than " + cache_name +
                     " beside it (" + base::number_text(cache.header().fps) +
                     "); bake again with --overwrite");
   return cache;
@@ -67,7 +67,7 @@ model::Frame FinishedBake::frame(std::uint64_t k) const {
 void read_kept(const fs::path& folder, const std::function<void()>& read) {
   const fs::path character = folder / formats::character_name;
   const auto damaged = [&](const std::string& what) {
-    return BakeError(what + "; what the bake kept is damaged: bake again with --overwrite");
+    return BakeError(what + "; the bake's files are damaged: bake again with --overwrite");
   };
   try {
     read();

@@ -32,8 +32,8 @@ std::string not_finite_text(const scene::Scene& scene, const model::Model& model
   return "frame " + base::number_text(frame.index) + " (" + base::number_text(time) + " s): vertex " +
          base::number_text(model.source_vertex[first]) + " of layer " +
          model.layers.at(model.layer_of(first)).name +
-         " has a position that is not a finite number, as have " + base::number_text(count) +
-         " in all; try more substeps, a lower alpha or more damping";
+         " has a position that is not a finite number (vertices affected: " + base::number_text(count) +
+         "); try more substeps, a lower alpha or more damping";
 }
 
 }  // namespace fascicle::bake

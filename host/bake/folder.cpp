@@ -140,7 +140,7 @@ ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder
   // An empty one was left by an export that was killed as it began.
   const bool is_empty = fs::is_directory(fs::symlink_status(path_)) && fs::is_empty(path_);
   if (!is_empty && fs::exists(fs::symlink_status(path_)))
-    throw BakeError(path_.string() + ": is there, and holds what no export made; move it away");
+    throw BakeError(path_.string() + ": exists, but no export made it; move it away");
   fs::create_directory(path_);
   base::File(path_ / stage_mark, base::FileMode::replace).close();
 }
@@ -188,8 +188,8 @@ void refuse_foreign(const fs::path& folder, const std::vector<std::string>& file
       if (path != first_temporary)
         throw BakeError(path.string() +
                         (is_listed(entry)
-                             ? ": is there already; --overwrite replaces it"
-                             : ": would be overwritten, and no bake made it; move it or choose another -o"));
+                             ? ": already exists; --overwrite replaces it"
+                             : ": would be overwritten, but no bake made it; move it or choose another -o"));
 }
 
 }  // namespace fascicle::bake

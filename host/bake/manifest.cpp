@@ -362,8 +362,7 @@ ManifestSummary manifest_of(const fs::path& folder) {
   if (!fs::exists(folder)) throw BakeError(folder.string() + ": no such folder");
   std::optional<ManifestSummary> manifest = read_manifest(folder);
   if (!manifest)
-    throw BakeError(folder.string() + ": holds no bake (" + manifest_name +
-                    " of fascicle is not there, or is damaged)");
+    throw BakeError(folder.string() + ": holds no bake (" + manifest_name + " is missing or damaged)");
   return std::move(*manifest);
 }
 

@@ -143,7 +143,7 @@ class Reader {
   std::uint64_t head(std::string_view name, std::size_t element) {
     const std::string_view found = take(number<std::uint32_t>());
     if (found != name || number<std::uint32_t>() != element)
-      throw Mismatch("it is of another version of fascicle (at " + std::string(name) + ")");
+      throw Mismatch("another version of fascicle wrote it (at " + std::string(name) + ")");
     return number<std::uint64_t>();
   }
   std::string_view elements(std::string_view name, std::size_t element) {
@@ -207,12 +207,12 @@ model::Model decode_model(std::string_view bytes) {
   try {
     Reader reader(body.substr(model_magic.size()));
     model::visit_fields(model, reader);
-    if (!reader.is_done()) throw Mismatch("it is of another version of fascicle (fields at its end)");
+    if (!reader.is_done()) throw Mismatch("another version of fascicle wrote it (fields at its end)");
     model::check_model(model);
   } catch (const Mismatch& mismatch) {
     throw BakeError(std::string("the model cannot be read: ") + mismatch.what());
   } catch (const std::invalid_argument& error) {
-    throw BakeError(std::string("the model is wrong: ") + error.what());
+    throw BakeError(std::string("the model is invalid: ") + error.what());
   }
   return model;
 }
@@ -229,7 +229,7 @@ model::Model read_model_file(const std::filesystem::path& path, std::optional<st
     throw fail(error.what());
   }
   if (wanted_hash && model_hash(model) != *wanted_hash)
-    throw fail("this is not the model of the frames beside it");
+    throw fail("the frames in this folder were baked with another model");
   return model;
 }
 
@@ -237,7 +237,7 @@ model::Model read_model_of_frames(const std::filesystem::path& folder, const Cac
   const std::filesystem::path path = folder / model_file_name;
   if (!std::filesystem::exists(path))
     throw BakeError(path.string() +
-                    ": is missing, or an older fascicle baked this; bake again with --overwrite");
+                    ": is missing, or an older fascicle made this bake; bake again with --overwrite");
   model::Model model = read_model_file(path, header.model_hash);
   if (model.vertex_count != header.vertex_count || model.unit != header.unit)
     throw BakeError(path.string() + ": has " + base::number_text(std::uint64_t{model.vertex_count}) +

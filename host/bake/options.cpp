@@ -22,8 +22,8 @@ std::vector<std::string> formats_to_write(const BakeOutput& output) {
                                " exclude each other; leave one out");
   if (!output.keep_frames && formats.empty() && !is_none)
     throw ContradictingOptions(
-        "--keep-frames false without --format would leave no motion; give a format, or --format none where "
-        "the metrics are all you want");
+        "--keep-frames false without --format would leave no motion; give a format, or --format none if you "
+        "want only the metrics");
   return formats;
 }
 
@@ -37,8 +37,7 @@ BakeOptions checked(BakeOptions options, const model::Model& model) {
     names += (names.empty() ? "" : ", ") + name;
     if (std::erase(left, name) > 0) formats.push_back(name);
   }
-  if (!left.empty())
-    throw BakeError("--format " + left.front() + ": there is no such format; there are " + names);
+  if (!left.empty()) throw BakeError("--format " + left.front() + ": no such format; use any of " + names);
   options.formats = std::move(formats);
   return options;
 }
@@ -59,7 +58,7 @@ std::uint32_t iterations_of(const scene::Scene& scene, const BakeOptions& option
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
   if (first_of_range < handles)
     throw BakeError("--first-frame " + base::number_text(first_of_range) + ": " + base::number_text(handles) +
-                    " handles before it would have numbers below 0; give at least " +
+                    " handles before it would have negative numbers; give at least " +
                     base::number_text(handles));
   return first_of_range - handles;
 }

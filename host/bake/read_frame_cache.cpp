@@ -79,9 +79,10 @@ namespace {
 
 base::File opened(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path))
-    throw BakeError(path.string() +
-                    ": is not there; the bake has no frames yet, or lost them: wait for them, or bake again "
-                    "with --overwrite");
+    throw BakeError(
+        path.string() +
+        ": does not exist; the bake has no frames yet, or lost them: wait for them, or bake again "
+        "with --overwrite");
   return {path, base::FileMode::read};
 }
 
@@ -112,8 +113,7 @@ FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(op
   header_.model_hash = value_at<std::uint64_t>(bytes, 56);
   header_.rest_origin = value_at<std::array<double, 3>>(bytes, 64);
   if (!is_sound(header_))
-    throw BakeError(path.string() +
-                    ": the header has a frame rate, a start or a size that no bake has; bake again");
+    throw BakeError(path.string() + ": the header has an impossible frame rate, start or size; bake again");
   record_bytes_ = cache_record_bytes(header_.vertex_count);
   frame_count_ = (file_.size() - cache_header_bytes) / record_bytes_;
   // After a power cut the end may have the right length without ever having reached the disk.
@@ -130,8 +130,8 @@ bool FrameCacheReader::read_record(std::uint64_t k, std::string& bytes) const {
 model::Frame FrameCacheReader::read(std::uint64_t k) const {
   std::string bytes;
   if (k >= frame_count_)
-    throw BakeError(file_.path().string() + ": has no frame " + base::number_text(k) + "; frames 0 to " +
-                    base::number_text(frame_count_) + " (exclusive) are there");
+    throw BakeError(file_.path().string() + ": has no frame " + base::number_text(k) +
+                    "; it has frames 0 to " + base::number_text(frame_count_) + " (exclusive)");
   if (!read_record(k, bytes))
     throw BakeError(file_.path().string() + ": frame " + base::number_text(k) + " is damaged; bake again");
   model::Frame frame;

@@ -43,7 +43,7 @@ void Run::open_folder() {
   if (used && !options_.overwrite && !options_.resume)
     throw FolderInUse(
         options_.folder.string() +
-        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
+        ": already holds a bake; --resume continues it, --overwrite starts again, or choose another -o");
 }
 
 // Empty if the bake starts at frame 0.

@@ -65,7 +65,7 @@ class Verification {
     // A complete bake needs no checkpoint; a surface may have neither materials nor images.
     const bool may_lack = !is_complete_ || name == checkpoint_name || name == formats::rest_materials_name ||
                           name == std::string(formats::textures_folder) + '/';
-    if (!may_lack) result_.files.push_back({name, "is not there", false});
+    if (!may_lack) result_.files.push_back({name, "is missing", false});
   }
 
   template <class Look>
@@ -100,14 +100,14 @@ class Verification {
     std::string wrong;
     const auto add = [&](const std::string& what) { wrong += (wrong.empty() ? "" : "; ") + what; };
     if (!damaged.empty()) add("damaged: " + frames_text(damaged));
-    if (!other.empty()) add("not what the manifest says: " + frames_text(other));
+    if (!other.empty()) add("differs from the manifest: " + frames_text(other));
     // In an unfinished bake, frames reach the disk before the manifest counts them.
     const std::uint64_t there = is_complete_ ? wanted : manifest_.position_hashes.size();
     if (!result_.interrupted && count < there)
       add("missing or damaged at the end: " + frames_text(numbers(count, there)));
     if (is_complete_ && manifest_.position_hashes.size() != wanted)
       add("the manifest has hashes of " + base::number_text(manifest_.position_hashes.size()) +
-          " frames in place of " + base::number_text(wanted));
+          " frames instead of " + base::number_text(wanted));
     if (!wrong.empty()) throw Wrong(wrong);
     return base::number_text(count) + (is_complete_ ? "" : " of " + base::number_text(wanted)) +
            " frames, all good";
@@ -131,7 +131,7 @@ class Verification {
     const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
     const std::uint64_t rows = lines > 0 ? lines - 1 : 0;
     if (is_complete_ && rows != manifest_.frames + 1)
-      throw Wrong("has " + base::number_text(rows) + " rows in place of " +
+      throw Wrong("has " + base::number_text(rows) + " rows instead of " +
                   base::number_text(manifest_.frames + 1));
     return base::number_text(rows) + " rows";
   }

@@ -51,7 +51,8 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
   if (timeline_ && poses.size() != 1 && poses.size() != substeps)
     throw std::invalid_argument(std::to_string(poses.size()) + " poses for a frame of " +
                                 std::to_string(substeps) + " substeps; give one, or one for each substep");
-  if (timeline_ && last_.empty()) throw std::invalid_argument("no pose was begun with");
+  if (timeline_ && last_.empty())
+    throw std::invalid_argument("drive() was called before start() gave a first pose");
   bones_.clear();
   before_.clear();
   after_.clear();

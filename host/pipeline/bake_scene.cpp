@@ -40,15 +40,15 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
-  std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
+  std::string text = "the clip accelerates flesh beyond motion.acceleration_limit, " +
                      number_text(drives.acceleration_limit(thrown.front().joint), 3) +
-                     " m/s^2; flesh feels no more than that: ";
+                     " m/s^2, and flesh feels only that much: ";
   for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
     text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
             number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
             std::to_string(thrown[k].frame) + ")";
   if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
-  return text + "; look for keys that leap there";
+  return text + "; look for keys that jump there";
 }
 
 // Caches starts next to the filled bodies, under keys that include the hash of the build programs.
@@ -70,7 +70,7 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
 }
 
 constexpr const char* how_to_go_on =
-    "; what is done is kept: --resume goes on with it, on this device or on another (--device cpu)";
+    "; finished frames are kept: --resume continues the bake, on this device or on another (--device cpu)";
 
 // Takes the next of the request's devices that can run the model.
 void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
@@ -104,8 +104,8 @@ auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
       const std::string what =
           device.label() + " (" + device.description().name + ") failed: " + error.what();
       if (prepared.devices_tried == request.devices.size()) throw DeviceFailed(what + how_to_go_on);
-      say_warning(say, what + "; the next device goes on");
-      prepared.warnings.push_back(what + "; another device went on");
+      say_warning(say, what + "; the next device continues");
+      prepared.warnings.push_back(what + "; another device continued");
       // Destroy the solver before its device.
       prepared.simulation.solver.reset();
       try {
@@ -137,7 +137,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   if (!request.writes_nothing && !output.overwrite && !output.resume && bake::holds_bake(output.folder))
     throw bake::FolderInUse(
         output.folder.string() +
-        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
+        ": already holds a bake; --resume continues it, --overwrite starts again, or choose another -o");
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
   say_warnings(built.report, say);
@@ -203,10 +203,11 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
 
 void say_result(const bake::BakeResult& result, const Say& say) {
   if (result.clamped.regions > 0)
-    say_warning(say, "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
-                         std::to_string(result.clamped.frame) +
-                         " would bulge or thin by more than a factor of four and were limited to it; a lower "
-                         "gain avoids it");
+    say_warning(say,
+                "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
+                    std::to_string(result.clamped.frame) +
+                    " would bulge or thin by more than a factor of four and were limited to that; a lower "
+                    "gain avoids it");
   for (const std::string& image : result.missing_images)
     say_warning(say, "the character's image " + image +
                          " was not found; character.glb has a white pixel in its place");
@@ -225,7 +226,7 @@ void refuse_unwritable(const std::string& option, const std::string& file, bool 
     folder = folder.parent_path();
   if (!std::filesystem::is_directory(folder, ignored) || ::access(folder.c_str(), W_OK) != 0)
     throw bake::BakeError(option + " " + file + ": " + folder.string() +
-                          " is not a folder that can be written to; choose another");
+                          " is not a writable folder; choose another");
 }
 
 }  // namespace fascicle::pipeline

@@ -48,7 +48,7 @@ DeviceRequest parse_device(const std::string& text) {
   if (text.starts_with(level_prefix)) {
     const auto level = cpu_reference::simd_named(text.substr(level_prefix.size()));
     if (level && *level != Simd::automatic) return {.kind = DeviceRequest::Kind::cpu, .simd = *level};
-    throw UsageError("device \"" + text + "\" is not one; after cpu: comes " +
+    throw UsageError("device \"" + text + "\" is unknown; after cpu: use " +
                      levels_text({Simd::scalar, Simd::baseline, Simd::sse4, Simd::avx2, Simd::avx512}));
   }
   const std::string prefix = "vulkan:";
@@ -58,7 +58,7 @@ DeviceRequest parse_device(const std::string& text) {
     const auto [end, error] = std::from_chars(text.data() + prefix.size(), last, index);
     if (error == std::errc() && end == last) return {.kind = DeviceRequest::Kind::vulkan, .index = index};
   }
-  throw UsageError("device \"" + text + "\" is not one; " + known_devices);
+  throw UsageError("device \"" + text + "\" is unknown; " + known_devices);
 }
 
 std::vector<std::string> split_device_list(const std::string& text) {
@@ -76,7 +76,7 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
   for (const std::string& entry : split_device_list(text)) {
     requests.push_back(parse_device(entry));
     if (requests.back().kind == DeviceRequest::Kind::automatic)
-      throw UsageError("a list of devices names each: cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
+      throw UsageError("auto cannot be in a list of devices; use cpu, cpu:LEVEL, vulkan or vulkan:N");
   }
   return requests;
 }

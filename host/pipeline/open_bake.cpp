@@ -20,7 +20,7 @@ bake::FrameCacheReader cache_of(const fs::path& folder, const bake::ManifestSumm
   if (!manifest.frames_kept) throw bake::BakeError(bake::frames_not_kept_text(folder));
   const fs::path path = folder / bake::cache_name;
   bake::FrameCacheReader cache(path);
-  if (cache.frame_count() == 0) throw bake::BakeError(path.string() + ": holds no whole frame yet");
+  if (cache.frame_count() == 0) throw bake::BakeError(path.string() + ": has no complete frame yet");
   return cache;
 }
 
@@ -43,7 +43,7 @@ const scene::Scene& OpenBake::scene() {
     read = std::make_unique<const scene::Scene>(
         scene::parse_scene({manifest_.scene_name, manifest_.scene_source, manifest_.scene_text, near}, {}));
   } catch (const scene::SceneError& error) {
-    throw scene::SceneError(folder_.string() + ": the bake's scene is needed again, and: " + error.what() +
+    throw scene::SceneError(folder_.string() + ": cannot read the bake's scene again: " + error.what() +
                             "; start fascicle from the folder where the bake was started");
   }
   build::Report report;

@@ -132,10 +132,11 @@ TEST_F(ModelFile, WhatLiesIsRefused) {
   EXPECT_NE(refusal(sealed(endless)).find("ends too soon"), std::string::npos) << refusal(sealed(endless));
   std::string astray = bytes_;
   astray[count + 8 + 3] = 0x7f;  // the highest byte of the first corner
-  EXPECT_NE(refusal(sealed(astray)).find("the model is wrong"), std::string::npos) << refusal(sealed(astray));
+  EXPECT_NE(refusal(sealed(astray)).find("the model is invalid"), std::string::npos)
+      << refusal(sealed(astray));
   model::Model other = model_;
   other.alpha[0] += 0.25f;
-  EXPECT_NE(refusal(bake::encode_model(other)).find("not the model of the frames"), std::string::npos);
+  EXPECT_NE(refusal(bake::encode_model(other)).find("baked with another model"), std::string::npos);
 }
 
 }  // namespace

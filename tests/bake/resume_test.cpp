@@ -418,7 +418,7 @@ TEST(BakeResume, RefusesDamagedFiles) {
   EXPECT_TRUE(contains(refusal_after("checkpoint", flip_middle), "checkpoint is damaged"));
   EXPECT_TRUE(contains(refusal_after("checkpoint", [](std::string& text) { text.clear(); }),
                        "checkpoint is damaged"));
-  EXPECT_TRUE(contains(refusal_after("frames.fascicle", halve), "whole frames and the checkpoint 5"));
+  EXPECT_TRUE(contains(refusal_after("frames.fascicle", halve), "complete frames, but the checkpoint has 5"));
   EXPECT_TRUE(contains(refusal_after("frames.fascicle", flip_middle), "is damaged"));
   EXPECT_TRUE(contains(refusal_after("surface.pc2.part", halve), "fewer frames than the checkpoint"));
   EXPECT_TRUE(contains(refusal_after("metrics.csv.part", halve), "fewer frames than the checkpoint"));

@@ -114,7 +114,7 @@ TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {
   fake_bake_into(options, short_scene(6));
   EXPECT_TRUE(verify_bake({.bake = options.folder}).is_good());
   fs::remove_all(folder_ / "series/obj");
-  EXPECT_EQ(finding_of(verify_bake({.bake = options.folder}), "obj/"), "wrong: is not there");
+  EXPECT_EQ(finding_of(verify_bake({.bake = options.folder}), "obj/"), "wrong: is missing");
 }
 
 // A valid frame with a valid checksum, but not the hash in the manifest.
@@ -130,17 +130,17 @@ TEST_F(Verify, FindsAFrameOfAnotherBake) {
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(static_cast<std::streamoff>(bake::cache_header_bytes + 2 * record.size()));
   file << record << std::flush;
-  EXPECT_EQ(finding_of(verified(), "frames.fascicle"), "wrong: not what the manifest says: frame 2");
+  EXPECT_EQ(finding_of(verified(), "frames.fascicle"), "wrong: differs from the manifest: frame 2");
 }
 
 TEST_F(Verify, FindsWhatIsGone) {
   for (const char* name : {"frames.fascicle", "metrics.csv", "model.fascicle"}) {
     fs::rename(bake / name, folder_ / "away");
-    EXPECT_EQ(finding_of(verified(), name), "wrong: is not there");
+    EXPECT_EQ(finding_of(verified(), name), "wrong: is missing");
     fs::rename(folder_ / "away", bake / name);
   }
   std::ofstream(bake / "metrics.csv", std::ios::app) << "7\n";
-  EXPECT_EQ(finding_of(verified(), "metrics.csv"), "wrong: has 8 rows in place of 7");
+  EXPECT_EQ(finding_of(verified(), "metrics.csv"), "wrong: has 8 rows instead of 7");
   fs::remove(bake / "manifest.json");
   EXPECT_TRUE(contains(message_of<bake::BakeError>([&] { verified(); }), "holds no bake"));
 }
