@@ -109,7 +109,7 @@ std::uint32_t Device::Impl::memory_type(std::uint32_t types, VkMemoryPropertyFla
   for (const VkMemoryPropertyFlags flags : {wanted, needed})
     for (std::uint32_t t = 0; t < physical.memory.memoryTypeCount; ++t)
       if ((types & (1u << t)) && (physical.memory.memoryTypes[t].propertyFlags & flags) == flags) return t;
-  throw DeviceError("device " + info().name + " has no memory of the kind a buffer needs");
+  throw DeviceError("device " + info().name + " has no memory type that a buffer needs");
 }
 
 Device::Device(std::uint32_t index, const DeviceOptions& options)

@@ -46,7 +46,7 @@ FrameSlot::Sections FrameSlot::lay_out(const model::Drive& drive) const {
     sections[p] = {offset, std::max<VkDeviceSize>(parts[p].size(), 16)};
     if (sections[p].bytes > device_->info().max_storage_buffer_range)
       throw DeviceError("a frame's poses and forces need " + std::to_string(sections[p].bytes) +
-                        " bytes, device " + device_->info().name + " binds at most " +
+                        " bytes, but device " + device_->info().name + " binds at most " +
                         std::to_string(device_->info().max_storage_buffer_range) +
                         " (maxStorageBufferRange); use fewer substeps");
     offset = (offset + sections[p].bytes + alignment - 1) / alignment * alignment;

@@ -59,7 +59,7 @@ bool load_vulkan(std::string* why) {
     return false;
   }
   if (volkGetInstanceVersion() < VK_API_VERSION_1_1) {
-    if (why) *why = "the Vulkan loader knows Vulkan 1.0 only; 1.1 is needed";
+    if (why) *why = "the Vulkan loader supports only Vulkan 1.0; 1.1 is needed";
     return false;
   }
   return true;

@@ -26,8 +26,9 @@ std::vector<std::uint32_t> tags_and_degrees(const Model& model) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const std::uint32_t degree = model.ring_offset[i + 1] - model.ring_offset[i];
     if (degree >= 1u << (32 - shader::degree_shift))
-      throw DeviceError("vertex " + std::to_string(i) + " of the model has " + std::to_string(degree) +
-                        " neighbours, the GPU's layout holds 65535; use --device cpu, or a better mesh");
+      throw DeviceError(
+          "vertex " + std::to_string(i) + " of the model has " + std::to_string(degree) +
+          " neighbours, more than the 65535 of the GPU layout; use --device cpu, or a better mesh");
     out[i] = model.tag[i] | degree << shader::degree_shift;
   }
   return out;
@@ -72,8 +73,8 @@ void check_plan(const std::vector<PlannedBuffer>& plan, std::uint64_t frames_in_
     total += buffer.bytes;
     if (buffer.bytes > device.max_storage_buffer_range)
       throw DeviceError("the model's buffer \"" + std::string(buffer.name) + "\" needs " +
-                        std::to_string(buffer.bytes) + " bytes, device " + device.name + " binds at most " +
-                        std::to_string(device.max_storage_buffer_range) +
+                        std::to_string(buffer.bytes) + " bytes, but device " + device.name +
+                        " binds at most " + std::to_string(device.max_storage_buffer_range) +
                         " (maxStorageBufferRange); use a coarser mesh or another device");
   }
   if (total > device.memory)

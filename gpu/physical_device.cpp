@@ -127,7 +127,7 @@ DeviceInfo info_of(const VkPhysicalDeviceProperties& core, const MoreProperties&
 // Why the device cannot be used; empty if it can.
 std::string refusal(const VkPhysicalDeviceProperties& core, bool has_compute) {
   if (core.apiVersion < VK_API_VERSION_1_1)
-    return "it knows Vulkan " + version_text(core.apiVersion) + " only; 1.1 is needed";
+    return "it supports only Vulkan " + version_text(core.apiVersion) + "; 1.1 is needed";
   if (!has_compute) return "it has no compute queue";
   const std::uint32_t buffers = core.limits.maxPerStageDescriptorStorageBuffers;
   if (buffers < most_buffers_of_a_kernel)

@@ -27,10 +27,9 @@ namespace {
 
 [[noreturn]] void fail(const char* what, const fs::path& path) {
   const int code = errno;
-  throw std::system_error(
-      code, std::generic_category(),
-      std::string(what) + " " + path.string() +
-          (code == EFBIG ? ", which outgrew the limit on the size of files (raise ulimit -f)" : ""));
+  throw std::system_error(code, std::generic_category(),
+                          std::string(what) + " " + path.string() +
+                              (code == EFBIG ? ", which exceeds the file size limit (raise ulimit -f)" : ""));
 }
 
 int open_retried(const fs::path& path, int flags) {
@@ -166,9 +165,10 @@ File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
                 : mode == FileMode::modify ? open_retried(path_, O_RDWR | O_NOFOLLOW | O_NONBLOCK)
                                            : open_new(path_);
   if (descriptor_ < 0 && mode == FileMode::modify && errno == ELOOP)
-    throw BakeError(path_.string() +
-                    ": is a symbolic link, and nothing is written through one; put the file in its place, or "
-                    "start again with --overwrite");
+    throw BakeError(
+        path_.string() +
+        ": is a symbolic link, and nothing is written through one; replace it with the file, or start "
+        "again with --overwrite");
   if (descriptor_ < 0) fail("cannot open", path_);
   try {
     if (mode != FileMode::replace) (void)size_of_regular(descriptor_, path_);

@@ -101,7 +101,7 @@ double exact_cos(double x) {
 }
 
 double exact_acos(double x) {
-  if (x != x) throw std::domain_error("the arc cosine of what is not a number");
+  if (x != x) throw std::domain_error("the arc cosine of NaN");
   if (x >= 1.0) return 0.0;
   if (x <= -1.0) return 2.0 * half_pi;
   // Near +-1, pi/2 - asin x would cancel. The half angle's sine keeps its digits, and 1 - |x| is exact there.
@@ -111,7 +111,7 @@ double exact_acos(double x) {
 }
 
 double exact_exp(double x) {
-  if (x != x) throw std::domain_error("the exponential of what is not a number");
+  if (x != x) throw std::domain_error("the exponential of NaN");
   if (x > 710.0) return std::numeric_limits<double>::infinity();
   if (x < -746.0) return 0.0;
   const double n = std::floor(x / (ln2_1 + ln2_2) + 0.5);

@@ -32,8 +32,8 @@ TetMesh read_tetgen_pair(const fs::path& path) {
   for (const fs::path& each : {node, ele}) {
     if (!fs::exists(each)) {
       throw base::SceneError(each.string() +
-                             ": no such file; a TetGen mesh is a .node and an .ele file of one name, put "
-                             "both into one folder");
+                             ": no such file; a TetGen mesh is a .node and an .ele file of the same name, "
+                             "put both into one folder");
     }
   }
   const std::string nodes = read_whole_file(node);
@@ -97,8 +97,9 @@ TetMesh read_tet_mesh(const fs::path& path) {
   return with_memory_checked(path, [&] {
     if (is_one_of(extension, {".node", ".ele"})) return read_tetgen_pair(path);
     if (!is_tet_mesh_file(path)) {
-      throw base::SceneError(path.string() +
-                             ": not a tetrahedral mesh by its name; use .mesh, .node, .ele, .msh or .vtu");
+      throw base::SceneError(
+          path.string() +
+          ": not a tetrahedral mesh file by its extension; use .mesh, .node, .ele, .msh or .vtu");
     }
     const std::string text = read_whole_file(path);
     if (extension == ".mesh") return read_medit(path.string(), text);
@@ -115,7 +116,8 @@ SurfaceMesh read_surface_mesh(const fs::path& path) {
   const std::string extension = base::lower_extension(path);
   return with_memory_checked(path, [&] {
     if (!is_surface_mesh_file(path)) {
-      throw base::SceneError(path.string() + ": not a surface by its name; use .off, .obj, .ply or .stl");
+      throw base::SceneError(path.string() +
+                             ": not a surface file by its extension; use .off, .obj, .ply or .stl");
     }
     const std::string content = read_whole_file(path);
     if (extension == ".off") return read_off(path.string(), content);

@@ -78,7 +78,7 @@ Scalar scalar_named(std::string_view name, const TextScanner& scanner) {
                                                   {"double", Scalar::float64},
                                                   {"float64", Scalar::float64}}};
   const auto* found = std::find_if(names.begin(), names.end(), [&](const Name& n) { return n.name == name; });
-  if (found == names.end()) scanner.fail(shown(name) + " is not a type of PLY; correct the header");
+  if (found == names.end()) scanner.fail(shown(name) + " is not a PLY type; correct the header");
   return found->type;
 }
 
@@ -129,7 +129,7 @@ Header read_header(const std::string& file, std::string_view bytes) {
       } else if (encoding == "binary_big_endian") {
         header.encoding = Encoding::big_endian;
       } else {
-        scanner.fail("encoding " + shown(encoding) + " is not one of PLY; correct the header");
+        scanner.fail("encoding " + shown(encoding) + " is not a PLY encoding; correct the header");
       }
       scanner.word("the format's version");
       has_format = true;
@@ -142,7 +142,7 @@ Header read_header(const std::string& file, std::string_view bytes) {
       if (header.elements.empty()) scanner.fail("a property before any element; correct the header");
       header.elements.back().properties.push_back(read_property(scanner));
     } else {
-      scanner.fail("keyword " + shown(keyword) + " is not one of PLY's header; correct the header");
+      scanner.fail("keyword " + shown(keyword) + " is unknown; correct the header");
     }
   }
   if (!has_format) scanner.fail("the header has no format line; correct it");
@@ -341,7 +341,7 @@ SurfaceMesh read_elements(Values values, const Header& header) {
       }
     }
   }
-  if (!values.at_end()) values.fail("more follows after the last element; correct the header's counts");
+  if (!values.at_end()) values.fail("extra data after the last element; correct the counts in the header");
   if (mesh.triangles.empty()) values.fail("no faces in this file; export a surface");
   return mesh;
 }

@@ -125,7 +125,7 @@ SurfaceMesh read_off(const std::string& file, std::string_view text) {
   if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF") {
     scanner.fail("not an OFF file: it begins with " + shown(magic) + "; export it as ASCII OFF");
   }
-  if (scanner.peek() == "BINARY") scanner.fail("binary OFF is not read; export it as ASCII OFF");
+  if (scanner.peek() == "BINARY") scanner.fail("binary OFF is not supported; export it as ASCII OFF");
   const std::size_t vertex_count = scanner.count("the number of vertices", 6);
   const std::size_t face_count = scanner.count("the number of faces", 8);
   scanner.whole("the number of edges");
@@ -145,7 +145,7 @@ SurfaceMesh read_off(const std::string& file, std::string_view text) {
   }
   if (!scanner.at_end()) {
     scanner.word("the end");
-    scanner.fail("more follows after the last face; correct the counts");
+    scanner.fail("extra data after the last face; correct the counts");
   }
   if (mesh.triangles.empty()) scanner.fail("no faces in this file; export a surface");
   return mesh;

@@ -100,7 +100,7 @@ TetMesh read_medit(const std::string& file, std::string_view text) {
     }
   }
   if (mesh.tetrahedra.empty()) {
-    scanner.fail("no tetrahedra in this mesh; a surface belongs into an .off, .obj, .ply or .stl file");
+    scanner.fail("no tetrahedra in this mesh; a surface belongs in an .off, .obj, .ply or .stl file");
   }
   return mesh;
 }
@@ -130,14 +130,14 @@ TetMesh read_tetgen(const std::string& node_file, std::string_view nodes, const 
   }
   if (!node.at_end()) {
     node.word("the end");
-    node.fail("more follows after the last node; correct the count in the first line");
+    node.fail("extra data after the last node; correct the count in the first line");
   }
 
   TextScanner ele(ele_file, elements, '#');
   const std::size_t count = ele.count("the number of tetrahedra", tetrahedron_bytes + 2);
   if (count == 0) ele.fail("no tetrahedra in this file; run TetGen again");
   if (ele.whole("the number of nodes of a tetrahedron", 4, 10) != 4) {
-    ele.fail("tetrahedra with more than four nodes are not read; run TetGen without -o2");
+    ele.fail("tetrahedra with more than four nodes are not supported; run TetGen without -o2");
   }
   const std::uint64_t regions = ele.whole("the number of attributes of a tetrahedron", 0, 1000);
   mesh.tetrahedra.reserve(count);
@@ -150,7 +150,7 @@ TetMesh read_tetgen(const std::string& node_file, std::string_view nodes, const 
   }
   if (!ele.at_end()) {
     ele.word("the end");
-    ele.fail("more follows after the last tetrahedron; correct the count in the first line");
+    ele.fail("extra data after the last tetrahedron; correct the count in the first line");
   }
   return mesh;
 }
@@ -164,9 +164,9 @@ TetMesh read_gmsh(const std::string& file, std::string_view text) {
   }
   const std::string_view version = scanner.word("the format's version");
   if (version != "2.2" && version != "2.1" && version != "2" && version != "2.0") {
-    scanner.fail("version " + shown(version) + " is not read" + advice);
+    scanner.fail("version " + shown(version) + " is not supported" + advice);
   }
-  if (scanner.word("the file type") != "0") scanner.fail("binary files are not read" + advice);
+  if (scanner.word("the file type") != "0") scanner.fail("binary files are not supported" + advice);
   scanner.until("$EndMeshFormat");
 
   TetMesh mesh;
@@ -174,7 +174,7 @@ TetMesh read_gmsh(const std::string& file, std::string_view text) {
   bool has_elements = false;
   const auto expect = [&](std::string_view end) {
     if (scanner.word(end) != end) {
-      scanner.fail("expected " + std::string(end) + "; the section's count does not fit its lines");
+      scanner.fail("expected " + std::string(end) + "; the section's count does not match its lines");
     }
   };
   while (!scanner.at_end()) {

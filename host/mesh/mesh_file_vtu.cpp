@@ -60,7 +60,7 @@ Tag next_tag(TextScanner& scanner) {
     std::string_view inside = scanner.until(">");
     Tag tag;
     if (!inside.empty() && inside.front() == '!') {
-      scanner.fail("a document type or CDATA is not read; export the file from ParaView as ASCII .vtu");
+      scanner.fail("a document type or CDATA is not supported; export the file from ParaView as ASCII .vtu");
     }
     tag.closes = !inside.empty() && inside.front() == '/';
     if (tag.closes) inside.remove_prefix(1);
@@ -114,7 +114,7 @@ void read_array(TextScanner& scanner, const Tag& array, const std::string& paren
   if (!is_needed) return;  // next_tag() skips its numbers
   if (attribute(array, "format") != "ascii") {
     scanner.fail("array " + shown(name) + " has format " + shown(attribute(array, "format")) +
-                 "; only ascii is read, save the file with data mode ASCII");
+                 "; only ascii is supported, save the file with data mode ASCII");
   }
   if (array.empty) return;
   if (is_point_array) {
@@ -143,7 +143,8 @@ Grid read_grid(const std::string& file, TextScanner& scanner) {
     const Tag tag = next_tag(scanner);
     if (tag.closes) {
       if (open.empty() || open.back() != tag.name) {
-        scanner.fail("</" + std::string(tag.name.substr(0, 32)) + "> closes nothing; the file is damaged");
+        scanner.fail("</" + std::string(tag.name.substr(0, 32)) +
+                     "> has no opening tag; the file is damaged");
       }
       open.pop_back();
       continue;
@@ -157,7 +158,7 @@ Grid read_grid(const std::string& file, TextScanner& scanner) {
       grid.point_count = piece_count(scanner, file, tag, "NumberOfPoints");
       grid.cell_count = piece_count(scanner, file, tag, "NumberOfCells");
     } else if (tag.name == "DataArray" && !open.empty()) {
-      if (!grid.has_piece) scanner.fail("a DataArray outside of a Piece; the file is damaged");
+      if (!grid.has_piece) scanner.fail("a DataArray outside a Piece; the file is damaged");
       read_array(scanner, tag, open.back(), grid);
     }
     if (!tag.empty) open.emplace_back(tag.name);
@@ -188,7 +189,7 @@ TetMesh read_vtu(const std::string& file, std::string_view text) {
     const std::string name = "cell " + std::to_string(cell) + " (counted from 0)";
     if (end < start || end > grid.connectivity.size()) {
       scanner.fail(name + " ends at offset " + std::to_string(end) +
-                   ", outside of the connectivity; save the file again");
+                   ", outside the connectivity; save the file again");
     }
     if (grid.types[cell] == vtk_tetra) {
       if (end - start != 4)

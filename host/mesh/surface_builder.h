@@ -13,7 +13,7 @@ namespace fascicle::mesh {
 template <typename Fail>
 void append_polygon(SurfaceMesh& mesh, const std::vector<std::uint32_t>& polygon, Fail fail) {
   if (polygon.size() < 3) {
-    fail("a face with " + std::to_string(polygon.size()) + " corners, of at least 3; remove it");
+    fail("a face with " + std::to_string(polygon.size()) + " corners, fewer than 3; remove it");
   }
   for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
     const std::array<std::uint32_t, 3> t = {polygon[0], polygon[k], polygon[k + 1]};

@@ -27,8 +27,9 @@ void check_size(const Model& m, const char* array, const ArrayTraits& traits, st
   if (traits.may_lack && size == 0) return;
   if (items.count) return must_have(items.each * items.count(m) + items.more);
   if (size % items.each != 0)
-    broken(array, size,
-           "has " + std::to_string(size) + " entries, no multiple of " + std::to_string(items.each));
+    broken(
+        array, size,
+        "has " + std::to_string(size) + " entries, which is not a multiple of " + std::to_string(items.each));
 }
 
 template <class Number>
@@ -298,8 +299,7 @@ void check_model(const Model& m) {
   for_each_array(m, [&](const auto& row, const auto& values) { check_values(m, row, values); });
   if (m.collider_count > most_colliders)
     broken("collider_count", 0,
-           "is " + std::to_string(m.collider_count) + ", and a vertex has a bit for each of at most " +
-               std::to_string(most_colliders));
+           "is " + std::to_string(m.collider_count) + ", must be at most " + std::to_string(most_colliders));
   if (m.layers.empty() || m.layers.size() > shader::tag_layer_mask + 1)
     broken("layers", m.layers.size(), "there must be 1 to 256 layers");
   for (std::size_t k = 0; k < m.layers.size(); ++k)

@@ -42,7 +42,7 @@ void check_drive(const Model& model, const Drive& drive) {
   check("colliders", drive.colliders.size(), s * model.collider_count);
   check("decay", drive.decay.size(), model.layers.size());
   if (!drive.cuts.empty() && !model.has_skeleton())
-    throw std::invalid_argument("drive: it has cuts, and the model no skeleton to be carried by");
+    throw std::invalid_argument("drive: it has cuts, but the model has no skeleton");
   if (!drive.cuts.empty() && drive.origin_shift != std::array<float, 3>{0, 0, 0})
     throw std::invalid_argument("drive: the cuts move the origin, so origin_shift must be 0");
   for (std::size_t k = 0; k < drive.cuts.size(); ++k) {
@@ -88,13 +88,13 @@ void check_state(const Model& model, const State& state) {
   check("skinned_velocities", state.skinned_velocities.size(), 3 * model.carried.size());
   const bool has_before = !state.positions_before.empty();
   if (has_before && !model.is_implicit())
-    throw std::invalid_argument("state: it has a substep before, which an explicit run has no use for");
+    throw std::invalid_argument("state: it has a previous substep, which an explicit run does not use");
   check("positions_before", state.positions_before.size(), has_before ? 3 * n : 0);
   check("velocities_before", state.velocities_before.size(), has_before ? 3 * n : 0);
   if (has_before != (state.step_before > 0.0) || !(state.step_before >= 0.0) ||
       !std::isfinite(state.step_before))
     throw std::invalid_argument(
-        "state: step_before must be a length of time with positions_before, and 0 without them");
+        "state: step_before must be above 0 with positions_before, and 0 without them");
 }
 
 }  // namespace fascicle::model

@@ -76,7 +76,7 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
   for (const std::string& entry : split_device_list(text)) {
     requests.push_back(parse_device(entry));
     if (requests.back().kind == DeviceRequest::Kind::automatic)
-      throw UsageError("auto cannot be in a list of devices; use cpu, cpu:LEVEL, vulkan or vulkan:N");
+      throw UsageError("in a list of devices, use cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
   }
   return requests;
 }

@@ -47,8 +47,8 @@ void lay_over(const Paint& paint, Character& character) {
               std::vector<double>(kind.width * character.surface.vertices.size(), kind.elsewhere)});
     if (found->width != kind.width)
       throw base::SceneError(of_paint.name + " has " + std::to_string(found->width) +
-                             " numbers a vertex in the character's file, and " + std::to_string(kind.width) +
-                             " in the paint; rename one of them");
+                             " numbers per vertex in the character's file, but " +
+                             std::to_string(kind.width) + " in the paint; rename one of them");
     for (std::size_t k = 0; k < of_paint.vertex.size(); ++k)
       for (std::size_t c = 0; c < kind.width; ++c)
         found->values.at(kind.width * of_paint.vertex[k] + c) = double{of_paint.value[kind.width * k + c]};

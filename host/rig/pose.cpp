@@ -68,7 +68,7 @@ const Clip* find_clip(const Character& character, const std::string& name) {
     std::string several;
     for (const std::size_t i : found)
       several += (several.empty() ? "" : ", ") + std::to_string(i) + " `" + clips[i].name + "`";
-    throw base::SceneError("`" + name + "` may be any of the clips " + several +
+    throw base::SceneError("`" + name + "` matches several clips: " + several +
                            "; give the number or the whole name");
   }
   if (clips.empty())

@@ -298,13 +298,14 @@ TEST_F(MeshFile, PlyRefusals) {
   EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "vertex 5", "vertex 4000000000")), "can hold");
   EXPECT_REFUSED(refusal("a.ply", replaced(binary, "vertex 5", "vertex 4000000000")), "can hold");
   EXPECT_REFUSED(refusal("a.ply", replaced(binary, "face 5", "face 6")), "cut short");
-  EXPECT_REFUSED(refusal("a.ply", replaced(binary, "face 5", "face 4")), "more follows");
+  EXPECT_REFUSED(refusal("a.ply", replaced(binary, "face 5", "face 4")), "extra data");
   EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "3 0 1 4 1", "3 0 1 5 1")), "a.ply:19: ");
   EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "3 0 1 4 1", "3 0 1 -1 1")), "a.ply:19: ");
   EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "0 1 0 4\n", "0 nan 0 4\n")), "a.ply:16: ");
   EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "property float z", "property float w")),
                  "lacks x, y or z");
-  EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "property float x", "property real x")), "not a type");
+  EXPECT_REFUSED(refusal("a.ply", replaced(ply_text, "property float x", "property real x")),
+                 "not a PLY type");
   EXPECT_REFUSED(refusal("a.ply", "ply\nformat ascii 1.0\nelement junk 4000000000\nend_header\n"),
                  "no properties");
   std::string with_nan = binary;
@@ -344,7 +345,7 @@ TEST_F(MeshFile, TetrahedralRefusals) {
   EXPECT_REFUSED(refusal("a.vtu", replaced(vtu_text, "4 7 11", "4 3 11")), "offset 3");
   EXPECT_REFUSED(refusal("a.vtu", replaced(vtu_text, "1 2 3 4\n<", "1 2 3 5\n<")), "names point 5");
   EXPECT_REFUSED(refusal("a.vtu", replaced(vtu_text, "'5'", "'4000000000'")), "can hold");
-  EXPECT_REFUSED(refusal("a.vtu", replaced(vtu_text, "</Cells>", "</Cell>")), "closes nothing");
+  EXPECT_REFUSED(refusal("a.vtu", replaced(vtu_text, "</Cells>", "</Cell>")), "has no opening tag");
   EXPECT_REFUSED(refusal("a.vtu", std::string(100000, '<')), "a.vtu:");
   write("a.ele", ele_text);
   EXPECT_REFUSED(refusal("a.node", replaced(node_text, "3 0 1 0", "4 0 1 0")), "expected node 3");
@@ -357,7 +358,7 @@ TEST_F(MeshFile, TetrahedralRefusals) {
 
 TEST_F(MeshFile, RefusesWhatIsNoFileOfAMesh) {
   EXPECT_REFUSED(refusal(folder_ / "missing.off"), "does not exist");
-  EXPECT_REFUSED(refusal(folder_ / "a.txt"), "not a surface by its name");
+  EXPECT_REFUSED(refusal(folder_ / "a.txt"), "not a surface file by its extension");
   fs::create_directory(folder_ / "folder.off");
   EXPECT_REFUSED(refusal(folder_ / "folder.off"), "is not a regular file");
   // A 3 GiB sparse file takes no disk space and must not take any memory.
