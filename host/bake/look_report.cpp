@@ -61,7 +61,7 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
     case LookMeasure::stretch:
       seen = "the skin at " + at + " is stretched to " + value + " times what skinning does";
       help =
-          "skin that should part may be grown together there, or the flesh is too soft: try a larger "
+          "skin that should separate there may be joined, or the flesh is too soft: try a larger "
           "--cage-detail, or make its layer stiffer (a lower --softness)";
       break;
     case LookMeasure::crossing:

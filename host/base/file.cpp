@@ -108,7 +108,7 @@ std::optional<Bytes> read_whole(const fs::path& path, std::uint64_t most_bytes, 
   const auto refuse_above = [&](std::uint64_t count) {
     if (count > most_bytes)
       throw InputError(path, "has more than the " + number_text(most_bytes) +
-                                 " bytes that are read of such a file; is it the right one?");
+                                 " bytes allowed for such a file; is it the right one?");
   };
   refuse_above(size);
   // Reads to the end of the file, not to its size: the file may grow meanwhile, and files in /proc report
@@ -199,7 +199,7 @@ File& File::operator=(File&& other) noexcept {
 
 std::uint64_t File::size() const {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) fail("cannot ask the size of", path_);
+  if (::fstat(descriptor_, &status) != 0) fail("cannot get the size of", path_);
   return static_cast<std::uint64_t>(status.st_size);
 }
 

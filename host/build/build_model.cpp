@@ -260,7 +260,7 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
          parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
                             "it fall for ever"
                           : counted(falling.size(), "part", "parts") +
-                                " hold no pinned vertex and none moved by bones: gravity makes them "
+                                " without a vertex that is pinned or moved by bones: gravity makes them "
                                 "fall for ever",
          falling);
 }

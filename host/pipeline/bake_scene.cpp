@@ -150,8 +150,8 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score && bake::can_try_look(scene)) {
     LongWait wait(say);
     const auto goes_on = [&](const bake::TriedLook& tried) {
-      wait.go_on("still before frame 0, trying frames " + count_text(tried.first + 1) + " to " +
-                 count_text(tried.last) + " for their look");
+      wait.go_on("still before frame 0, checking the look of frames " + count_text(tried.first + 1) + " to " +
+                 count_text(tried.last));
       return request.interrupted == nullptr || !request.interrupted->load();
     };
     prepared.tried = on_a_device(prepared, request, say, [&] {

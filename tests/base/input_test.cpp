@@ -60,7 +60,7 @@ TEST_F(ReadInput, ReadsToTheEndOfFilesThatSayTheyAreEmpty) {
 TEST_F(ReadInput, RefusesWhatIsTooLarge) {
   EXPECT_EQ(refusal_of(write("12345"), 4),
             (folder_ / "file").string() +
-                ": has more than the 4 bytes that are read of such a file; is it the right one?");
+                ": has more than the 4 bytes allowed for such a file; is it the right one?");
 }
 
 TEST_F(ReadInput, WaitsForNothing) {
