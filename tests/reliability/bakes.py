@@ -1,4 +1,4 @@
-"""Bakes that the rows of reliability.py disturb, and what an undisturbed one of them leaves."""
+"""The bakes that the rows of reliability.py disturb, and the files of an undisturbed one."""
 
 import hashlib
 import json
@@ -13,18 +13,18 @@ import tempfile
 import time
 
 PROGRAM = os.path.abspath(os.environ.get("FASCICLE_PROGRAM", "fascicle"))
-# Files that say when and how a bake ran; all others have the same bytes whatever happened on the way.
+# Files that say when and how a bake ran. All others have the same bytes whatever happened during the bake.
 OF_ITS_RUN = ("manifest.json", "checkpoint")
 UNFINISHED = (".part", ".tmp")
-# Grows frame by frame under its own name; the checkpoint says how far it counts.
+# Grows frame by frame under its final name; the checkpoint says how many frames are valid.
 GROWING = "frames.fascicle"
-HEADER_BYTES = 104  # of it; a record a frame follows
+HEADER_BYTES = 104  # of GROWING; then one record per frame
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 3, 75
 
 
 class Broken(Exception):
-    """Something that must hold does not."""
+    """A check failed."""
 
 
 def hold(what, text):
@@ -33,17 +33,17 @@ def hold(what, text):
 
 
 def must_be_found(check, text):
-    """A control: the check has to fail."""
+    """A control: the check must fail."""
     try:
         check()
     except Broken:
         return
-    raise Broken("the control was not found out: " + text)
+    raise Broken("the checks did not detect the control: " + text)
 
 
 def digest(path, size=None):
-    """(bytes, their SHA-256) of a file, or of its first `size` bytes. In pieces: a child's peak of memory, as the
-    system counts it, begins with that of this process."""
+    """(size, SHA-256) of a file or of its first `size` bytes. Reads in pieces: Linux starts a child's peak memory at
+    that of this process."""
     found, done = hashlib.sha256(), 0
     with open(path, "rb") as file:
         while piece := file.read(1 << 20 if size is None else min(1 << 20, size - done)):
@@ -53,7 +53,7 @@ def digest(path, size=None):
 
 
 def files(folder):
-    """{path below the folder: digest} of what is published, but for what says how the bake ran."""
+    """{relative path: digest} of all published files except those in OF_ITS_RUN."""
     found = {}
     for parent, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if not name.endswith(UNFINISHED)]
@@ -66,18 +66,18 @@ def files(folder):
 
 
 def manifest(folder):
-    """What it says; None where there is none. Half of one is no JSON."""
+    """The parsed manifest; None without one. Raises Broken if it is truncated."""
     try:
         with open(os.path.join(folder, "manifest.json")) as file:
             return json.load(file)
     except FileNotFoundError:
         return None
     except ValueError as error:
-        raise Broken("%s: a manifest that is torn: %s" % (folder, error)) from error
+        raise Broken("%s: truncated manifest: %s" % (folder, error)) from error
 
 
 def frame_of_checkpoint(folder):
-    """The frame after which a resumed bake goes on; None where there is none, and it begins anew."""
+    """The frame after which a resumed bake continues; None without a checkpoint: it starts over."""
     try:
         with open(os.path.join(folder, "checkpoint"), "rb") as file:
             content = file.read()
@@ -86,18 +86,18 @@ def frame_of_checkpoint(folder):
     except FileNotFoundError:
         return None
     except struct.error as error:
-        raise Broken("%s: a checkpoint that is torn: %s" % (folder, error)) from error
+        raise Broken("%s: truncated checkpoint: %s" % (folder, error)) from error
 
 
 def hold_verified(folder):
-    """No frame that counts is missing, as `fascicle verify` finds it."""
+    """`fascicle verify` finds every frame that should be there."""
     if manifest(folder) is not None:
         done = subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
-        hold(done.returncode == DONE, "%s: verify ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(done.returncode == DONE, "%s: verify exited with %d: %s" % (folder, done.returncode, done.stderr))
 
 
 class Kept:
-    """What a folder has at one moment, for a later one. Its frames stay open: no new file gets their inode."""
+    """A snapshot of a folder, for later comparison. Keeps the frames open so that no new file gets their inode."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -116,43 +116,43 @@ class Kept:
             self.frames.close()
 
     def hold_still_there(self):
-        """Nothing was lost, but where no checkpoint was: then a resumed bake begins anew. A stream that is resumed has
-        its unfinished name again, and files of frames that no checkpoint counts yet are taken back, to be written
-        again."""
+        """Nothing was lost since the snapshot. Without a checkpoint anything goes: a resumed bake starts over. A
+        resumed stream goes back to its unfinished name, and files of frames after the checkpoint are removed and
+        written again."""
         if self.checkpoint is None:
             return
         now = frame_of_checkpoint(self.folder)
         hold(now is not None and now >= self.checkpoint,
-             "%s: the checkpoint was of frame %d, and is of %s" % (self.folder, self.checkpoint, now))
+             "%s: the checkpoint was at frame %d and is now at %s" % (self.folder, self.checkpoint, now))
         for name in self.names:
             path = os.path.join(self.folder, name)
             number = re.search(r"/frame_(\d+)\.\w+$", name)
             if number and int(number.group(1)) > self.checkpoint:
                 continue
-            hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was there, and is lost")
+            hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was lost")
 
     def hold_gone_on(self):
-        """A resumed bake has gone on with what was there: the same file of frames, and one run more."""
+        """A resumed bake continued what was there: the same frames file, and one more run."""
         said = manifest(self.folder)["timings"]["runs"]
         hold(self.runs is not None and said == self.runs + 1,
-             "%s: run %s went on, and the manifest counts %d runs" % (self.folder, self.runs, said))
+             "%s: run %s was resumed, but the manifest counts %d runs" % (self.folder, self.runs, said))
         now = os.stat(os.path.join(self.folder, GROWING))
         hold(self.frames and os.path.samestat(os.fstat(self.frames.fileno()), now),
-             "%s/%s: is another file: the bake began anew" % (self.folder, GROWING))
+             "%s/%s: is a new file: the bake started over" % (self.folder, GROWING))
 
 
 class Bake:
-    """One bake, again and again, in folders of its own."""
+    """One bake that runs many times, each time in a new folder."""
 
     def __init__(self, name, arguments, keeps_cache=True):
         self.name, self.arguments, self.keeps_cache = name, arguments, keeps_cache
 
     def prepare(self, folder):
-        """Bakes it undisturbed: what it leaves, and how long it takes."""
+        """Bakes it undisturbed; records its files and how long it takes."""
         self.root = folder
         self.cache = os.path.join(folder, "cache-" + self.name)
         whole = os.path.join(folder, "whole-" + self.name)
-        for _ in range(2):  # the second has its body kept, where one is kept
+        for _ in range(2):  # the second run finds the body in the cache, if the bake keeps one
             shutil.rmtree(whole, ignore_errors=True)
             self.forget_body()
             begin = time.monotonic()
@@ -169,7 +169,7 @@ class Bake:
         return [PROGRAM, "bake", *self.arguments, *device, "-o", folder, *more]
 
     def environment(self, **more):
-        # What a killed build leaves in its temporary folder goes with the rest.
+        # TMPDIR is in root, so that what a killed build leaves there is removed with the rest.
         return {**os.environ, "FASCICLE_CACHE_DIR": self.cache, "TMPDIR": self.root, **more}
 
     def run(self, folder, *more, **environment):
@@ -181,13 +181,14 @@ class Bake:
             shutil.rmtree(self.cache, ignore_errors=True)
 
     def start(self, folder, *more):
-        """In a process group of its own, so that its children are reached with it."""
+        """Runs it in a new process group, so that signals to the group also reach its children."""
         self.forget_body()
         return subprocess.Popen(self.command(folder, *more), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                 text=True, env=self.environment(), start_new_session=True)
 
     def start_listening(self, folder, *more):
-        """The same, once it has a handler for SIGTERM: before, the system ends it as any program that starts."""
+        """The same, but returns only once SIGTERM has a handler. Before that, a signal would simply kill the
+        process."""
         process = self.start(folder, *more)
         handler = 1 << (signal.SIGTERM - 1)
         while process.poll() is None:
@@ -202,24 +203,24 @@ class Bake:
         return tempfile.mkdtemp(prefix=self.name + "-", dir=self.root)
 
     def moment(self):
-        """At random, from the program's first line to about its last one."""
+        """A random delay in seconds, from the start of the process to about its end."""
         return random.uniform(0.0, self.seconds)
 
     def hold_published(self, folder):
-        """What has its final name has the bytes that it would have had undisturbed."""
+        """Every file with its final name has the bytes of an undisturbed bake."""
         manifest(folder)
         for name, content in files(folder).items():
-            hold(name in self.whole, "%s/%s: belongs to no whole bake" % (folder, name))
+            hold(name in self.whole, "%s/%s: is not a file of an undisturbed bake" % (folder, name))
             whole = self.whole[name]
             if name == GROWING:
                 whole = digest(os.path.join(self.folder_of_whole, name), content[0])
-            hold(content == whole, "%s/%s: has other bytes" % (folder, name))
+            hold(content == whole, "%s/%s: bytes differ" % (folder, name))
 
     def record_bytes(self):
         return (self.whole[GROWING][0] - HEADER_BYTES) // len(self.hashes)
 
     def frames_in(self, folder):
-        """Whole frames that are written."""
+        """The number of complete frames in the file."""
         try:
             size = os.path.getsize(os.path.join(folder, GROWING))
         except FileNotFoundError:
@@ -227,26 +228,26 @@ class Bake:
         return max(0, size - HEADER_BYTES) // self.record_bytes()
 
     def hold_counted(self, folder):
-        """What is published has its bytes, and no frame is missing that the checkpoint or the manifest counts."""
+        """Published files have the right bytes, and every frame that the checkpoint or the manifest counts exists."""
         self.hold_published(folder)
         checkpoint = frame_of_checkpoint(folder)
         hold(checkpoint is None or self.frames_in(folder) > checkpoint,
-             "%s: %d frames, and the checkpoint is of frame %s" % (folder, self.frames_in(folder), checkpoint))
+             "%s: %d frames, but the checkpoint is at frame %s" % (folder, self.frames_in(folder), checkpoint))
         hold_verified(folder)
 
     def hold_whole(self, folder):
         self.hold_published(folder)
         missing = set(self.whole) - set(files(folder))
-        hold(not missing, "%s: lacks %s" % (folder, ", ".join(sorted(missing))))
+        hold(not missing, "%s: missing: %s" % (folder, ", ".join(sorted(missing))))
         size = os.path.getsize(os.path.join(folder, GROWING))
         hold(size == self.whole[GROWING][0], folder + ": frames are missing")
-        hold(manifest(folder)["position_hashes"] == self.hashes, folder + ": other position hashes")
+        hold(manifest(folder)["position_hashes"] == self.hashes, folder + ": position hashes differ")
 
     def resume(self, folder, *more):
-        """To its end. Whether there was a checkpoint, and it went on from there."""
+        """Resumes the bake to its end. Returns whether it continued from a checkpoint."""
         with Kept(folder) as kept:
             done = self.run(folder, "--resume", *more)
-            hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
+            hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
             self.hold_whole(folder)
             if kept.checkpoint is not None:
                 kept.hold_gone_on()
@@ -254,7 +255,7 @@ class Bake:
 
 
 def end_by(process, number):
-    """The signal to the process and its children; it may be over."""
+    """Signals the process and its children, which may have exited already."""
     try:
         os.killpg(process.pid, number)
     except ProcessLookupError:
@@ -266,13 +267,13 @@ CHARACTER = ["crouch", "--set", "character.resolution=0.12", "--set", "motion.ho
 
 
 def a_kept_body():
-    """A bake of two frames of a character whose body is kept, for what is done thousands of times."""
+    """A two-frame bake of a character with a cached body, for tests that run it thousands of times."""
     return Bake("short-bear", [*CHARACTER, "--end", "0.034", "--format", "pc2"])
 
 
 def small_bakes():
-    """A bar with a file a frame, a character whose body is kept, in all formats, and one whose body is built and comes
-    to rest in every run."""
+    """A bar with one file per frame, a character in all formats with a cached body, and a character whose body is built
+    and settled in every run."""
     character = [*CHARACTER, "--end", "0.3"]
     return [Bake("bar", ["bar-hang-none", "--end", "3", "--format", "pc2,obj"]),
             Bake("bear", [*character, "--format", "abc,glb,mdd,obj,pc2,usda,vtp,vtu"]),
@@ -280,8 +281,8 @@ def small_bakes():
 
 
 def killed_at_work(bake, folder, *more):
-    """Starts it and kills it at a random moment; whether it was still at work. Where one from the start was over
-    before, the next moments are earlier: how long one takes depends on what else the machine does."""
+    """Starts a bake and kills it at a random moment; returns whether it was still running. If a bake from the start had
+    already finished, later kills come earlier: how long a bake takes depends on the load of the machine."""
     process = bake.start(folder, *more)
     time.sleep(bake.moment())
     was_at_work = process.poll() is None
@@ -292,7 +293,7 @@ def killed_at_work(bake, folder, *more):
 
 
 def control_of_files(bakes):
-    """A whole bake of which one file is torn, and one whose frames are of another bake."""
+    """A finished bake with one truncated file, and one with a wrong byte."""
     bake = bakes[0]
     folder = bake.empty_folder()
     shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
@@ -302,26 +303,26 @@ def control_of_files(bakes):
         file.truncate(os.path.getsize(path) // 2)
     must_be_found(lambda: bake.hold_whole(folder), "half a file")
     if os.path.basename(path) == GROWING:
-        must_be_found(lambda: hold_verified(folder), "frames that are missing")
+        must_be_found(lambda: hold_verified(folder), "missing frames")
     with open(path, "r+b") as file:
         file.write(b"?")
-    must_be_found(lambda: bake.hold_published(folder), "another byte")
+    must_be_found(lambda: bake.hold_published(folder), "a wrong byte")
     shutil.rmtree(folder)
 
 
 def control_of_going_on(bakes):
-    """A bake that is cut off, and loses its checkpoint, begins anew; and one that loses a file."""
+    """A bake that lost its checkpoint and so starts over; and one that lost a file."""
     bake = bakes[0]
     folder = bake.empty_folder()
     shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
     with Kept(folder) as kept:
         os.remove(os.path.join(folder, "checkpoint"))
-        must_be_found(kept.hold_still_there, "a checkpoint that is lost")
+        must_be_found(kept.hold_still_there, "a lost checkpoint")
         done = bake.run(folder, "--resume")
         hold(done.returncode == DONE, done.stderr)
         bake.hold_whole(folder)
-        must_be_found(kept.hold_gone_on, "a bake that begins anew")
+        must_be_found(kept.hold_gone_on, "a bake that starts over")
     with Kept(folder) as kept:
         os.remove(os.path.join(folder, "surface.pc2"))
-        must_be_found(kept.hold_still_there, "a file that is lost")
+        must_be_found(kept.hold_still_there, "a lost file")
     shutil.rmtree(folder)

@@ -9,11 +9,11 @@ from bakes import DONE, hold, hold_verified, manifest, must_be_found
 NO_DEVICE, DEVICE_FAILED = 4, 7
 RESULTS = ((-4, "VK_ERROR_DEVICE_LOST"), (-2, "VK_ERROR_OUT_OF_DEVICE_MEMORY"), (-1, "VK_ERROR_OUT_OF_HOST_MEMORY"),
            (-3, "VK_ERROR_INITIALIZATION_FAILED"), (2, "VK_TIMEOUT"))
-SETTING_UP = 200  # calls, about
+SETTING_UP = 200  # calls, roughly
 
 
 def with_layer(call, result, **more):
-    """The environment in which the call of that number has that result; 0: none."""
+    """An environment in which this Vulkan call, counted from 1, returns this result. 0: no call fails."""
     folder = os.path.dirname(os.environ.get("FASCICLE_FAULT_LAYER", ""))
     hold(folder and os.path.isdir(folder), "FASCICLE_FAULT_LAYER names no layer's description")
     return {"VK_INSTANCE_LAYERS": "VK_LAYER_FASCICLE_faults", "VK_LAYER_PATH": folder,
@@ -21,10 +21,10 @@ def with_layer(call, result, **more):
 
 
 def calls_of(bake):
-    """How many calls of a whole bake can fail. The layer alone changes nothing."""
+    """The number of calls in a whole bake that can fail. Also checks that the layer alone changes nothing."""
     folder, said = bake.empty_folder(), os.path.join(bake.root, "calls")
     done = bake.run(folder, "--device", "vulkan:0", **with_layer(0, 0, FASCICLE_FAULT_COUNT=said))
-    hold(done.returncode == DONE, "under a layer that lets all pass: " + done.stderr)
+    hold(done.returncode == DONE, "under a layer that fails no call: " + done.stderr)
     bake.hold_whole(folder)
     shutil.rmtree(folder)
     with open(said) as file:
@@ -34,26 +34,26 @@ def calls_of(bake):
 
 
 def hold_handed_over(bake, folder, done, name):
-    """The CPU went on, to the same bytes, and the user was told why. A call that may fail without harm, as that for
-    kept pipelines, is no reason to leave the device: False then."""
-    hold(done.returncode == DONE, "%s: %s ended it with %d: %s" % (folder, name, done.returncode, done.stderr))
+    """The CPU finished the bake with the same bytes, and a message gave the reason. False if the bake stayed on the
+    device: some calls, such as the one for kept pipelines, may fail without harm."""
+    hold(done.returncode == DONE, "%s: after %s it exited with %d: %s" % (folder, name, done.returncode, done.stderr))
     bake.hold_whole(folder)
     to_cpu = manifest(folder)["device"]["solver"] == "cpu"
-    hold(to_cpu == (name in done.stderr), "%s: on the CPU: %s; the reason is %s, and what is said: %s"
+    hold(to_cpu == (name in done.stderr), "%s: on the CPU: %s; the reason is %s, but the message is: %s"
          % (folder, to_cpu, name, done.stderr))
     return to_cpu
 
 
 def hold_kept(bake, folder, done, name):
-    """What was done is kept, and a resumed bake goes on from it, on the CPU. False where the failed call did no
+    """The frames so far are kept, and a resumed bake continues from them on the CPU. False if the failed call did no
     harm."""
     if done.returncode == DONE:
         bake.hold_whole(folder)
         return False
     hold(done.returncode in (NO_DEVICE, DEVICE_FAILED) and name in done.stderr,
-         "%s: %s ended it with %d: %s" % (folder, name, done.returncode, done.stderr))
+         "%s: after %s it exited with %d: %s" % (folder, name, done.returncode, done.stderr))
     if done.returncode == DEVICE_FAILED:
-        hold("--resume" in done.stderr, "%s: the message does not say how to go on: %s" % (folder, done.stderr))
+        hold("--resume" in done.stderr, "%s: the message does not mention --resume: %s" % (folder, done.stderr))
     said = manifest(folder)
     if said is not None:
         hold(said["status"] == "failed" and name in said["message"],
@@ -71,15 +71,15 @@ def device_faults(bakes, count):
     calls = [calls_of(bake) for bake in chosen]
     folder = chosen[0].empty_folder()
     done = chosen[0].run(folder, "--device", "vulkan:0,cpu", **with_layer(1, -3))
-    must_be_found(lambda: hold_handed_over(chosen[0], folder, done, "VK_TIMEOUT"), "another reason")
+    must_be_found(lambda: hold_handed_over(chosen[0], folder, done, "VK_TIMEOUT"), "the wrong reason")
     must_be_found(lambda: hold_kept(chosen[0], folder, chosen[0].run(folder), "VK_TIMEOUT"),
-                  "another end than a failure")
+                  "no failure")
     shutil.rmtree(folder)
     handed_over = kept = harmless = 0
     for k in range(count):
-        which = 1 if k % 20 == 19 else 0  # a character's bake takes ten times as long
+        which = 1 if k % 20 == 19 else 0  # the character's bake takes ten times as long
         bake = chosen[which]
-        # Every other time while the device is set up.
+        # Every other call is one of those that set up the device.
         call = random.randint(1, calls[which] - 1 if k % 2 else SETTING_UP)
         result, name = RESULTS[k // 2 % len(RESULTS)]
         folder = bake.empty_folder()

@@ -1,4 +1,5 @@
-"""Disks that fail under bakes, exports, pictures, batches and the cache: full, broken, or with a limit on files."""
+"""Disks that are full or broken, and limits on file size, during bakes, exports, renders and batches, and in the
+cache."""
 
 import errno
 import os
@@ -12,7 +13,7 @@ from bakes import (DONE, FAILED, GROWING, PROGRAM, control_of_files, control_of_
                    must_be_found)
 from killed import export_of
 
-# Goes on as if nothing had happened where the disk says no; the count: how much it still says.
+# A writer that carries on after a failed write if sys.argv[2] is "silent", and otherwise exits with the error.
 SWALLOWS = """import os, sys
 with open(sys.argv[1], "wb", buffering=0) as file:
     for _ in range(100):
@@ -25,25 +26,26 @@ with open(sys.argv[1], "wb", buffering=0) as file:
 
 
 def calls_in(path):
-    """What failing_calls.cpp counted: of the process that made most of them."""
-    hold(os.path.exists(path), "no call was seen: the library is not preloaded, or has nothing to say")
+    """The count that failing_calls.cpp wrote. Each process writes one; this is the largest."""
+    hold(os.path.exists(path), "no call was counted: the library is not preloaded or does not work")
     with open(path) as file:
         return max(int(line) for line in file)
 
 
 def hold_noticed(done, number, calls, error, what):
-    """A call that failed ended the program with its reason. Whether one failed: `calls` may be fewer than `number`."""
+    """A failed call ends the program with the reason. Returns whether a call failed: the program may have made fewer
+    calls than `number`."""
     if done.returncode == DONE:
-        hold(calls < number, "%s: call %d of %d failed (%s), and nobody noticed" % (
+        hold(calls < number, "%s: call %d of %d failed (%s) but was not reported" % (
             what, number, calls, os.strerror(error)))
         return False
-    hold(done.returncode == FAILED, "%s: ended with %d: %s" % (what, done.returncode, done.stderr))
-    hold(os.strerror(error) in done.stderr, "%s: the message does not say why: %s" % (what, done.stderr))
+    hold(done.returncode == FAILED, "%s: exited with %d: %s" % (what, done.returncode, done.stderr))
+    hold(os.strerror(error) in done.stderr, "%s: the message does not give the reason: %s" % (what, done.stderr))
     return True
 
 
 class BakeThere:
-    """A bake whose output folder fails."""
+    """A bake into a failing folder."""
 
     def __init__(self, bake):
         self.bake, self.name = bake, bake.name
@@ -57,7 +59,7 @@ class BakeThere:
     def hold_published(self, folder, reason):
         self.bake.hold_counted(folder)
         said = manifest(folder)
-        # A disk that takes nothing more takes no manifest.
+        # A full disk has no room for a manifest.
         if said is not None and reason:
             hold(said["status"] == "failed" and reason in said["message"],
                  "%s: the manifest says %s" % (folder, said["status"]))
@@ -67,7 +69,7 @@ class BakeThere:
 
 
 class ExportThere:
-    """An export over the files of another one."""
+    """An export over the files of an older one."""
     name = "export"
 
     def __init__(self, bake):
@@ -88,7 +90,7 @@ class ExportThere:
 
 
 class RenderThere:
-    """A picture a frame."""
+    """A render of one picture per frame."""
     name = "render"
 
     def __init__(self, bake):
@@ -109,16 +111,16 @@ class RenderThere:
 
     def hold_published(self, folder, _):
         for name, content in files(folder).items():
-            hold(content == self.whole.get(name), "%s/%s: has other bytes" % (folder, name))
+            hold(content == self.whole.get(name), "%s/%s: bytes differ" % (folder, name))
 
     def finish(self, folder):
         done = self.run(folder, "--overwrite")
-        hold(done.returncode == DONE, "%s: the next render ended with %d: %s" % (folder, done.returncode, done.stderr))
-        hold(files(folder) == self.whole, folder + ": other pictures")
+        hold(done.returncode == DONE, "%s: the next render exited with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(files(folder) == self.whole, folder + ": pictures differ")
 
 
 class BatchThere:
-    """Two bars; a call fails in the batch and in each of its bakes."""
+    """A batch of two bars; a call fails in the batch process and in each bake."""
     name = "batch"
 
     def __init__(self, bake):
@@ -148,19 +150,19 @@ class BatchThere:
             whole = self.whole.get(name)
             if name.endswith(GROWING):
                 whole = digest(os.path.join(self.folder_of_whole, name), content[0])
-            hold(content == whole, "%s/%s: has other bytes" % (folder, name))
+            hold(content == whole, "%s/%s: bytes differ" % (folder, name))
         if os.path.exists(os.path.join(folder, "batch.json")):
             done = subprocess.run([PROGRAM, "batch", "status", folder], capture_output=True, text=True)
             hold("damaged" not in done.stderr, "%s: batch.json: %s" % (folder, done.stderr))
 
     def finish(self, folder):
         done = self.run(folder, "--resume")
-        hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
-        hold(self.files_in(folder) == self.whole, folder + ": other bytes")
+        hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(self.files_in(folder) == self.whole, folder + ": bytes differ")
 
 
 class CacheThere:
-    """A bake whose cache fails: it is baked all the same, and no entry is half there."""
+    """A bake with a failing cache: it finishes anyway and leaves no truncated entry."""
     name = "cache"
 
     def __init__(self, bake):
@@ -176,21 +178,21 @@ class CacheThere:
         return self.bake.empty_folder()
 
     def run(self, folder, **more):
-        """The folder is the cache."""
+        """`folder` is the cache."""
         shutil.rmtree(self.out, ignore_errors=True)
         return self.bake.run(self.out, FASCICLE_CACHE_DIR=folder, **more)
 
     def hold_published(self, folder, _):
         self.bake.hold_whole(self.out)
-        # What it says of how long it took to build has other bytes in each run.
+        # Entries hold their build time, so only sizes can be compared.
         for name, content in files(folder).items():
-            hold(content[0] == self.whole.get(name), "%s/%s: is not whole" % (folder, name))
+            hold(content[0] == self.whole.get(name), "%s/%s: incomplete" % (folder, name))
 
     def finish(self, folder):
         done = self.run(folder)
-        hold(done.returncode == DONE, "%s: the next bake ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(done.returncode == DONE, "%s: the next bake exited with %d: %s" % (folder, done.returncode, done.stderr))
         self.bake.hold_whole(self.out)
-        hold(self.sizes_in(folder) == self.whole, folder + ": other entries")
+        hold(self.sizes_in(folder) == self.whole, folder + ": entries differ")
         shutil.rmtree(self.out)
 
 
@@ -200,41 +202,41 @@ def plan(library, folder, number, error, mode):
 
 
 def counted_calls(of, library):
-    """How many calls it makes undisturbed."""
+    """The number of calls in an undisturbed run."""
     folder = of.folder()
     done = of.run(folder, **plan(library, folder, 0, 0, "once"))
     hold(done.returncode == DONE, done.stderr)
     calls = calls_in(folder + ".calls")
-    hold(calls > 4, "%s: hardly any call was seen" % of.name)
+    hold(calls > 4, "%s: hardly any calls were counted" % of.name)
     os.remove(folder + ".calls")
     shutil.rmtree(folder)
     return calls
 
 
 def control_of_errors(library, root):
-    """A program that does not hear that the disk is full, and one that leaves half a file."""
+    """Controls: a writer that ignores a full disk, and one that reports it."""
     path = os.path.join(root, "swallowed")
     for how in ("silent", "aloud"):
         done = subprocess.run([sys.executable, "-c", SWALLOWS, path, how], capture_output=True, text=True,
                               env={**os.environ, **plan(library, path, 50, errno.ENOSPC, "from")})
         calls = calls_in(path + ".calls")
         os.remove(path + ".calls")
-        hold(calls >= 50 and os.path.getsize(path) == 49000, "the control met no full disk: %s" % done.stderr)
+        hold(calls >= 50 and os.path.getsize(path) == 49000, "the control never hit the full disk: %s" % done.stderr)
         if how == "silent":
-            must_be_found(lambda: hold_noticed(done, 50, calls, errno.ENOSPC, path), "an error that is swallowed")
+            must_be_found(lambda: hold_noticed(done, 50, calls, errno.ENOSPC, path), "a swallowed error")
         else:
-            hold(hold_noticed(done, 50, calls, errno.ENOSPC, path), "the control ended well")
+            hold(hold_noticed(done, 50, calls, errno.ENOSPC, path), "the control exited with 0")
 
 
 def fail_one(of, calls, is_once, library):
-    """One of so many calls fails: once, or it and all after it. Whether it failed, as seen by the program's end."""
+    """Fails one random call, or that call and all after it. Returns whether a call failed."""
     folder = of.folder()
     number, error = random.randint(1, calls), errno.EIO if is_once else errno.ENOSPC
     done = of.run(folder, **plan(library, folder, number, error, "once" if is_once else "from"))
     what = "%s, %s" % (of.name, folder)
     made = calls_in(folder + ".calls") if os.path.exists(folder + ".calls") else 0
-    if isinstance(of, CacheThere):  # what is not kept is made again
-        hold(done.returncode == DONE, "%s: ended with %d: %s" % (what, done.returncode, done.stderr))
+    if isinstance(of, CacheThere):  # the cache is optional: the bake must still finish
+        hold(done.returncode == DONE, "%s: exited with %d: %s" % (what, done.returncode, done.stderr))
         has_failed = made >= number
     else:
         has_failed = hold_noticed(done, number, made, error, what)
@@ -247,7 +249,7 @@ def fail_one(of, calls, is_once, library):
 
 
 def fill_tmpfs(bake, size):
-    """A bake on a disk of so many bytes, and --resume once there is room. False where nobody may mount one."""
+    """A bake on a tmpfs of `size` bytes, then --resume with more space. False if no tmpfs can be mounted."""
     folder = bake.empty_folder()
     options = "size=%d" % size
     if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder],
@@ -256,7 +258,7 @@ def fill_tmpfs(bake, size):
         return False
     try:
         done = bake.run(folder)
-        hold(hold_noticed(done, 1, 1, errno.ENOSPC, folder), folder + ": a small disk was large enough")
+        hold(hold_noticed(done, 1, 1, errno.ENOSPC, folder), folder + ": the small disk was large enough")
         bake.hold_counted(folder)
         subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True, capture_output=True)
         bake.resume(folder)
@@ -267,12 +269,12 @@ def fill_tmpfs(bake, size):
 
 
 def limit_files(bake):
-    """No file of the bake may become larger than some size (ulimit -f), as on farms."""
+    """A bake under a random limit on file size (`ulimit -f`), as farms have them."""
     folder = bake.empty_folder()
     most = random.randint(4096, max(bake.whole.values())[0] - 1)
     done = subprocess.run(bake.command(folder), capture_output=True, text=True, env=bake.environment(),
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
-    hold_noticed(done, 1, 1, errno.EFBIG, "%s, files of %d bytes at most" % (folder, most))
+    hold_noticed(done, 1, 1, errno.EFBIG, "%s, files limited to %d bytes" % (folder, most))
     bake.hold_counted(folder)
     bake.resume(folder)
     shutil.rmtree(folder)
@@ -287,7 +289,7 @@ def disk_fails(bakes, count):
     control_of_files(bakes)
     control_of_going_on(bakes)
     control_of_errors(library, bakes[0].root)
-    # The longest last: a short form has no time for them.
+    # The slowest come last: the short form has no time for them.
     places = [BakeThere(bakes[0]), RenderThere(bakes[1]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
               ExportThere(bakes[1]), BakeThere(bakes[1]), BakeThere(bakes[2])]
     calls, failed = {}, {place.name: 0 for place in places if not isinstance(place, str)}

@@ -1,4 +1,4 @@
-"""What a power cut leaves: by strace, the order in which the commands write, sync and name their files."""
+"""What survives a power cut: strace records the order in which commands write, sync and rename files."""
 
 import os
 import re
@@ -12,7 +12,7 @@ CALLS = ("openat,creat,open,write,pwrite64,writev,pwritev,pwritev2,ftruncate,tru
          "fdatasync,rename,renameat,renameat2,link,linkat,mkdir,mkdirat,unlink,unlinkat,rmdir")
 WRITES = ("write", "pwrite64", "writev", "pwritev", "pwritev2", "ftruncate", "truncate", "copy_file_range", "sendfile")
 
-# A pattern of paths, and why they need not outlast a power cut.
+# (pattern of paths, why they need not survive a power cut).
 NOT_DURABLE = (
     (r"/fascicle-helper-\w+(/|$)", "messages between the program and the mesher, which neither keeps"),
     (r"/surface\.(abc|glb|usda)(\.\w+)?\.part$", "streams that a resumed bake starts over, until their last rename"),
@@ -22,14 +22,14 @@ NOT_DURABLE = (
 
 
 class Call:
-    """One that has ended well; `begin` and `end`: of all threads' lines."""
+    """A successful call; `begin` and `end` index the lines of the log, across all threads."""
 
     def __init__(self, name, paths, line, begin, end):
         self.name, self.paths, self.line, self.begin, self.end = name, paths, line, begin, end
 
 
 def calls_of(log):
-    """In the order of their ends: before that nothing is promised."""
+    """Successful calls by the order in which they returned: until a call returns it guarantees nothing."""
     found, unfinished = [], {}
     for number, line in enumerate(log):
         process, _, rest = line.partition(" ")
@@ -69,15 +69,15 @@ def need_not_last(path):
 
 class File:
     def __init__(self):
-        self.written = -1  # the end of its last write
-        self.synced = -1   # the begin of the last sync that has ended
+        self.written = -1  # when its last write returned
+        self.synced = -1   # when its last completed sync began
 
     def is_safe(self):
         return self.synced > self.written
 
 
 class Disk:
-    """Below `root`, as far as the order of calls goes."""
+    """The state of the files below `root`, as the order of calls implies it."""
 
     def __init__(self, root):
         self.root = root
@@ -98,7 +98,7 @@ class Disk:
             self.files[path] = File()
             self.files[path].written = call.end
             if is_final(path, self.root) and not need_not_last(path):
-                hold(os.path.basename(path) == GROWING, "written under its final name: " + call.line)
+                hold(os.path.basename(path) == GROWING, "created under its final name: " + call.line)
                 self.named[path] = call.end
         elif call.name.startswith("mkdir"):
             if is_final(path, self.root) and not need_not_last(path):
@@ -118,28 +118,29 @@ class Disk:
             moved.synced = 0
         self.files[new] = moved
         if is_final(new, self.root) and not need_not_last(new):
-            hold(moved.is_safe(), "has its name before its bytes are safe: " + call.line)
+            hold(moved.is_safe(), "renamed before its bytes were synced: " + call.line)
             self.named[new] = call.end
             self.held.add(new)
 
     def hold_counted(self, folder, call):
-        """Nothing in a bake's folder is still unsafe when a checkpoint counts on it."""
+        """Everything in a bake's folder is synced before a checkpoint relies on it."""
         for path, file in self.files.items():
             if path.startswith(folder + "/") and not need_not_last(path):
-                hold(file.is_safe(), "%s: is not safe, and the checkpoint counts on it: %s" % (path, call.line))
+                hold(file.is_safe(), "%s: not synced before the checkpoint that relies on it: %s" % (path, call.line))
         late = [name for name in self.named if name.startswith(folder + "/")
                 and name not in (os.path.join(folder, "checkpoint"), os.path.join(folder, "manifest.json"))]
-        hold(not late, "%s: has a name that is not safe, and the checkpoint counts on it" % ", ".join(late))
+        hold(not late, "%s: folder not synced before the checkpoint that relies on it" % ", ".join(late))
 
     def hold_end(self):
-        hold(not self.named, "the folder is not synced after: " + ", ".join(self.named))
+        hold(not self.named, "the folder is not synced after naming: " + ", ".join(self.named))
         for path, file in self.files.items():
             hold(not is_final(path, self.root) or need_not_last(path) or file.is_safe(),
-                 path + ": is not safe at the end")
+                 path + ": not synced at the end")
 
 
 def hold_durable(log, root):
-    """How many files got their final names by a rename, and had all their bytes safe before and their names after."""
+    """Checks that every file was synced before its final rename and its folder after it; returns the number of renamed
+    files."""
     disk = Disk(root)
     for call in calls_of(log):
         if any(path.startswith(root + "/") or path == root for path in call.paths):
@@ -152,17 +153,17 @@ def traced(command, environment, root):
     log = root + ".strace"
     done = subprocess.run(["strace", "-f", "-y", "-qq", "-s", "1", "-e", "trace=" + CALLS, "-o", log, *command],
                           capture_output=True, text=True, env=environment, cwd=root)
-    hold(done.returncode == DONE, "%s ended with %d: %s" % (" ".join(command), done.returncode, done.stderr))
+    hold(done.returncode == DONE, "%s exited with %d: %s" % (" ".join(command), done.returncode, done.stderr))
     with open(log, errors="replace") as file:
         return file.read().splitlines()
 
 
 def control_of_order(log, root):
-    """The same calls, without a sync or in another order."""
+    """Controls: the same calls with a sync removed or in the wrong order."""
     def without(pattern):
         left = [line for line in log if not (re.search(r" (fsync|fdatasync)\(|<\.\.\. (fsync|fdatasync) ", line) and
                                              re.search(pattern, line))]
-        hold(len(left) < len(log), "the control took nothing out: " + pattern)
+        hold(len(left) < len(log), "the control removed nothing: " + pattern)
         return left
 
     must_be_found(lambda: hold_durable(without(""), root), "no sync at all")
@@ -173,7 +174,7 @@ def control_of_order(log, root):
     at = next(k for k, line in enumerate(log) if 'model.fascicle.tmp", ' in line and "rename(" in line)
     sync = max(k for k in range(at) if "fsync(" in log[k] and "model.fascicle.tmp>" in log[k])
     swapped = [*log[:sync], log[at], *log[sync:at], *log[at + 1:]]
-    must_be_found(lambda: hold_durable(swapped, root), "a name before the sync")
+    must_be_found(lambda: hold_durable(swapped, root), "a rename before the sync")
 
 
 def durable(bakes, count):
@@ -219,7 +220,7 @@ def durable(bakes, count):
             held[name] += hold_durable(log, root)
         except Broken as error:
             raise Broken("%s: %s" % (name, error)) from error
-        hold(held[name], name + ": no file got a name by a rename")
+        hold(held[name], name + ": no file was renamed into place")
         if k == 0:
             control_of_order(log, root)
     shutil.rmtree(root)

@@ -1,11 +1,10 @@
-// Preloaded into a program, it lets calls that change files of one folder fail: a disk that is full, or one
-// that is broken.
+// A preloaded library that makes file-changing calls in one folder fail, as on a full or broken disk.
 //
-//   FAILING_FOLDER  files below it count; absolute
+//   FAILING_FOLDER  absolute; calls on files below it count
 //   FAILING_CALL    the number of the first call that fails, from 1; 0: none
-//   FAILING_MODE    "once": that call alone; "from": all from there on
+//   FAILING_MODE    "once": only that call; "from": that call and all later ones
 //   FAILING_ERROR   errno
-//   FAILING_COUNT   a file that gets the number of calls when the process ends
+//   FAILING_COUNT   the number of calls is appended to this file when the process exits
 #include <atomic>
 #include <cerrno>
 #include <cstdarg>
@@ -63,7 +62,7 @@ Plan::~Plan() {
   ::close(file);
 }
 
-// Whether this call is to fail; errno is set then.
+// Whether this call must fail; sets errno if so.
 bool fails(const std::string& path) {
   Plan& p = plan();
   if (p.folder.empty() || path.compare(0, p.folder.size(), p.folder) != 0) return false;
@@ -120,7 +119,7 @@ int mkdir(const char* path, mode_t mode) noexcept {
 }
 int open(const char* path, int flags, ...) {
   mode_t mode = 0;
-  // O_TMPFILE has the bit of O_DIRECTORY in it.
+  // O_TMPFILE includes the bit of O_DIRECTORY, so compare all its bits.
   if ((flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE) {
     std::va_list more;
     va_start(more, flags);

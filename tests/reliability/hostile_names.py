@@ -1,4 +1,4 @@
-"""Names that want to be a path, a command, an escape or a mark-up."""
+"""Names that could act as a path, a command, an escape sequence or markup."""
 
 import json
 import os
@@ -18,20 +18,20 @@ NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "'
          "a'+escaped()+'b",
          "a\"\"\"+escaped()+\"\"\"b", "\\\"+escaped()#", "a'$(escaped)'b", "a\nescaped()\n", "]]><b/>")
 FORMATS = "abc,glb,mdd,obj,pc2,usda,vtp,vtu"
-# What a terminal obeys, and what turns the direction of a line.
+# Control characters that a terminal acts on, and characters that change text direction.
 OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
 
 def picture():
-    """A PNG of one pixel."""
+    """A one-pixel PNG."""
     chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", 1, 1, 8, 2, 0, 0, 0)) + \
         chunk(b"IDAT", zlib.compress(b"\0\xff\x80\x40")) + chunk(b"IEND", b"")
 
 
 def named_character(name):
-    """A glTF of one bone, a clip, a blend shape and a texture that all have this name, and a second clip: a box,
-    skinned to it."""
+    """A glTF box skinned to one bone, with a blend shape, a texture and two clips. Everything but the second clip has
+    this name."""
     positions = [(x, y, z) for x in (-.1, .1) for y in (-.1, .1) for z in (-.1, .1)]
     faces = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3]
     parts = [b"".join(struct.pack("<3f", *p) for p in positions), struct.pack("<36H", *faces),
@@ -77,21 +77,21 @@ def everything_below(folder):
 
 def hold_harmless(text):
     found = OBEYED.search(text)
-    hold(not found, "a terminal would obey: %r" % text[max(0, found.start() - 40):found.end() + 40] if found else "")
+    hold(not found, "control characters in: %r" % text[max(0, found.start() - 40):found.end() + 40] if found else "")
 
 
 def hold_no_strays(found, folders):
-    """Each file lies in one of the folders; one whose name only begins as a folder's lies beside it."""
+    """Each file is one of these or below one of them. `out-x` is not below `out`."""
     strays = [path for path in found if not any(path == folder or path.startswith(folder + "/") for folder in folders)]
     hold(not strays, "files outside the folder: " + ", ".join(sorted(strays)))
 
 
 def controls_of_names(root):
-    """Files and messages of a program that hands names on as they are."""
-    must_be_found(lambda: hold_harmless("a\x1b[2J"), "an escape")
+    """Controls: files and messages of a program that does not escape names."""
+    must_be_found(lambda: hold_harmless("a\x1b[2J"), "an escape sequence")
     hold_no_strays((os.path.join(root, "out", "a"), os.path.join(root, "out")), (os.path.join(root, "out"),))
     must_be_found(lambda: hold_no_strays((os.path.join(root, "out-x"),), (os.path.join(root, "out"),)),
-                  "a folder beside")
+                  "a sibling folder")
     for file_name, whole, broken in (
             ("a.obj", b"v 0 0 0\no a\n", b"o a\nescaped\n"), ("a.mtl", b"newmtl a\n", b"newmtl a\nb\n"),
             ("a.usda", b'#usda 1.0\ndef Mesh "a" (\n)\n{\n}\n', b'#usda 1.0\ndef Mesh "a b" (\n)\n{\n}\n'),
@@ -113,12 +113,12 @@ def controls_of_names(root):
 
 
 def commands_of(turn, name, root):
-    """Writes the files of a turn; its commands."""
+    """Writes the input files of a turn and returns its commands."""
     with open(os.path.join(root, "named.glb"), "wb") as file:
         file.write(named_character(name))
     file_name = "".join(c for c in name[:60] if c not in "/\0") + ".glb"
     shutil.copy(os.path.join(root, "named.glb"), os.path.join(root, file_name))
-    # TOML knows no surrogates.
+    # TOML has no surrogate escapes.
     quoted = lambda text: json.dumps(text, ensure_ascii=False)
     key = quoted(name[:200])
     with open(os.path.join(root, "keys.toml"), "w") as file:
@@ -164,7 +164,7 @@ def names(bakes, count):
         commands = commands_of(turn, name, root)
         before = everything_below(outer)
         for command in commands:
-            # Each bake has its page beside it.
+            # `report` and `view` run once for each bake.
             folders = bakes_below(os.path.join(root, "out")) if command[0] in ("report", "view") else [""]
             for folder in folders:
                 words = [os.path.join(folder, word) if word.endswith(".html") else word or folder for word in command]
@@ -175,10 +175,10 @@ def names(bakes, count):
         found = everything_below(outer) - before
         hold_no_strays(found, [os.path.join(root, folder) for folder in
                                ("out", "keys", "cache", "batch", "farm", "farm.json")])
-        hold(not os.path.exists("/tmp/escaped"), "%r: a file outside" % name[:40])
+        hold(not os.path.exists("/tmp/escaped"), "%r: a file outside the folder" % name[:40])
         baked += len(bakes_below(os.path.join(root, "out"))) > 1
         parsed += sum(hold_readable(path) for path in sorted(found) if os.path.isfile(path))
         shutil.rmtree(outer)
-    hold(baked * 2 > count, "of only %d of %d all clips were baked" % (baked, count))
+    hold(baked * 2 > count, "all clips were baked for only %d of %d" % (baked, count))
     return "%d characters, of which %d baked both clips: no file outside the folder, no escape sequence on the " \
            "terminal; parsers read %d files" % (count, baked, parsed)

@@ -1,4 +1,4 @@
-"""Values of scene keys, drawn by the rules of the schema and against them."""
+"""Random values of scene keys, within the schema and outside it."""
 
 import array
 import json
@@ -15,7 +15,7 @@ from refusals import BAD_USAGE, INTERRUPTED, NOT_FINITE, controls, ended_or_stop
 
 
 def values_of(rule, is_hostile):
-    """A value that the rule of a key allows, by preference at its ends; where hostile, perhaps one that it does not."""
+    """A random value within a key's rule, often at its bounds; if hostile, perhaps outside it."""
     if "enum" in rule:
         return random.choice([*rule["enum"], *(("none-of-them", 3) if is_hostile else ())])
     kind = rule.get("type")
@@ -37,7 +37,7 @@ def values_of(rule, is_hostile):
         value = random.choice((*ends, inside, inside, inside, inside, rule.get("default", inside)))
         if is_hostile and random.random() < 0.03:
             value = random.choice((-1.0, 0.0, 1e300, -1e300, 1e-300, math.nan, math.inf))
-        if isinstance(value, str):  # a default of "auto"
+        if isinstance(value, str):  # the default "auto"
             return value
         return int(value) if kind == "integer" and math.isfinite(value) else value
     return random.choice(("auto", "", "none-of-them") if is_hostile else ("auto",))
@@ -54,7 +54,7 @@ def toml(value):
     return text if isinstance(value, int) or not math.isfinite(value) or "." in text or "e" in text else text + ".0"
 
 
-# Two bars that winds and blows push, onto a plane and a ball that comes up, and onto each other.
+# Two bars pushed by a wind and a point force onto a plane, a rising ball and each other.
 PUSHED = """
 [scene]
 [bar]
@@ -93,8 +93,8 @@ OF_CHARACTER = {**OF_ANY, "layers.fat": "layer", "layers.muscle": "layer", "fles
                 "skeleton": "skeleton"}
 SMALL_BAR = {"bar.vertices": "[4, 3, 3]", "solver.substeps": "10"}
 SMALL_CHARACTER = {"character.resolution": "0.12"}
-# Of so many: the scene (PUSHED is its text), its tables and their names in the schema, and what is set in it so
-# that it is small and takes STEPS. A bar of either integrator; forces, colliders, contact; a muscle; a body of depth.
+# (weight, scene, its tables and their names in the schema, settings that keep it small and at STEPS). A bar with each
+# integrator; forces, colliders and contact; a muscle; and a generated body. PUSHED is the text of its scene.
 SCENES = (
     (22, "bar-hang-none", OF_BAR, SMALL_BAR),
     (22, "rod-hang", OF_BAR, SMALL_BAR),
@@ -104,34 +104,33 @@ SCENES = (
     (1, "crouch", OF_CHARACTER, {**SMALL_CHARACTER, "motion.hold": "0.0"}),
 )
 FRAMES, STEPS = 20, 200
-# What else a message may name where a key of a table was changed: the body that the first makes has no place for what
-# the second asks for, a bar's size is that of its tetrahedra, and no layer may be left that touches another, or that a
-# force moves.
+# Other names that a message may use when a key of a table was changed: a new body may have no place for a muscle or
+# probe, the size of a bar limits its mesh, and no layer may be left that a force moves or that can touch another.
 FOLLOWS = {"body": ("muscle.biceps", "probe.biceps", "probe.belly"), "skeleton": ("muscle.biceps",), "bar": ("mesh",),
            **{"layers." + name: ("contact", "layers: fibre_field", "force.blow", "force.wind")
               for name in ("body", "fat", "muscle")}}
-# Keys that name files, attributes or other tables, ask for millions of vertices, or are only words.
+# Keys that name files, attributes or other tables, ask for millions of vertices, or take free text.
 LEFT_OUT = ("where", "alpha_attribute", "ignore", "attribute", "description", "vertices", "seed", "cuts", "resolution",
             "bones", "not_bones", "kinematic", "simulated", "rigid", "only", "parent", "child", "layer", "twist_joint",
             "contraction_channel")
 
 
 def keys_of_schema(schema, tables):
-    """{table: {key: rule}} of a scene's tables."""
+    """{table: {key: rule}} of the tables of a scene."""
     found = {table: {key: rule for key, rule in schema["$defs"][name]["properties"].items()
                      if key not in LEFT_OUT or (key == "kinematic" and name == "layer")}
              for table, name in tables.items()}
-    hold(sum(map(len, found.values())) > 40, "the schema has hardly any key")
+    hold(sum(map(len, found.values())) > 40, "the schema has hardly any keys")
     return found
 
 
-# Keys that only make a bake longer: mostly small, so that most come to their end.
+# Keys that only make a bake longer. Mostly drawn small, so that most bakes finish.
 OF_LENGTH = ("motion.handles", "motion.settle", "motion.preroll", "motion.hold", "motion.loop",
              "motion.seamless_cycles", "bar.count")
 
 
 def drawn_changes(keys):
-    """{key: value in TOML} of one to five keys; every second time as the schema allows them."""
+    """{key: value in TOML} of one to five keys; half of the draws stay within the schema."""
     changes, is_hostile = {}, random.random() < 0.5
     for _ in range(random.randint(1, 5)):
         table = random.choice(list(keys))
@@ -144,7 +143,7 @@ def drawn_changes(keys):
 
 
 def with_frames(changes):
-    """FRAMES of them, more where a frame has few steps; whatever the rate is, so long as that is a number."""
+    """Sets the end time for FRAMES frames, or more if frames have few steps, at any valid frame rate."""
     number = lambda key, other, least, most: float(changes[key]) if key in changes and re.fullmatch(
         r"-?[0-9.e+-]+", changes[key]) and least <= float(changes[key]) <= most else other
     frames = max(FRAMES, math.ceil(STEPS / number("solver.substeps", 10, 1, 1000)))
@@ -153,29 +152,28 @@ def with_frames(changes):
 
 
 def hold_finite(path):
-    """Each number of a .pc2, which says where vertices are."""
+    """Every position in a .pc2 file is finite."""
     with open(path, "rb") as file:
         content = file.read()
     numbers = array.array("f", content[32:])
     if sys.byteorder == "big":
         numbers.byteswap()
-    hold(content.startswith(b"POINTCACHE2") and numbers, path + ": holds no position")
-    hold(all(map(math.isfinite, numbers)), path + ": a position is no finite number")
+    hold(content.startswith(b"POINTCACHE2") and numbers, path + ": no positions")
+    hold(all(map(math.isfinite, numbers)), path + ": a position is not finite")
 
 
 def hold_names(text, changed):
-    """The error names one of these keys, or one of the same table that does not go with it, or what FOLLOWS."""
+    """The error names a changed key, its table, or a name in FOLLOWS."""
     tables = {key.rpartition(".")[0] for key in changed}
     names = {*changed, *tables, *(name for table in tables for name in FOLLOWS.get(table, ()))}
     error = "".join(line for line in text.splitlines() if line.startswith("fascicle: error: "))
     hold(any(re.search(r"(?<![\w.-])%s(?![\w-])" % re.escape(name), error) for name in names),
-         "names none of %s: %s" % (", ".join(sorted(names)), text))
+         "the error names none of %s: %s" % (", ".join(sorted(names)), text))
 
 
 def try_values(inputs):
-    """The position hashes on each device; None where the positions burst, and no list where a key was refused. What
-    was stopped at work, as it was asked for far too many frames, has no hashes either: (hashes, steps, is at work,
-    text)."""
+    """(hashes, steps, was stopped, text): the position hashes on each device, None for positions that burst. Empty if a
+    key was refused, or if the bake was stopped because it was asked for far too many frames."""
     scene, changes, devices, environment, folder = inputs
     sets = [word for change in changes.items() for word in ("--set", "%s=%s" % change)]
     hashes, steps = [], 0
@@ -199,17 +197,17 @@ def try_values(inputs):
             hold_refusal(status, text, (BAD_USAGE, BAD_INPUT))
             hold_names(text, changes)
             return [], 0, False, text
-    hold(len(hashes) < 2 or hashes[0] == hashes[1], "other bits on Vulkan: %s %s" % (scene, " ".join(sets)))
+    hold(len(hashes) < 2 or hashes[0] == hashes[1], "different bits on Vulkan: %s %s" % (scene, " ".join(sets)))
     shutil.rmtree(folder, ignore_errors=True)
     return hashes, steps, False, ""
 
 
 def controls_of_values(root):
-    """Messages and files of a program that is not careful."""
+    """Controls: a message about another key, and files with positions that are not finite."""
     text = "fascicle: error: layers.body.alpha: is 0, at the end of the start; must be above 0\n"
     hold_names(text, ("layers.body.alpha",))
     for others in (("scene.end", "scene.start", "solver.substeps"), ("layers.bod.alpha",), ("body.cage",)):
-        must_be_found(lambda: hold_names(text, others), "another key")
+        must_be_found(lambda: hold_names(text, others), "a message about another key")
     path = os.path.join(root, "control.pc2")
     for value, is_finite in ((1.0, True), (math.nan, False), (-math.inf, False)):
         with open(path, "wb") as file:
@@ -239,7 +237,7 @@ def parameters(bakes, count):
     controls_of_values(root)
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
     vulkan = "vulkan:0" in devices
-    # The first of each kind has no change: what refuses all of them is found out.
+    # The first scene of each kind is unchanged: it would expose a program that refuses everything.
     bare = len(kinds) if count >= 50 else 1
 
     def drawn():
@@ -252,7 +250,7 @@ def parameters(bakes, count):
     refused = burst = compared = stopped = 0
     steps = []
     for k, (hashes, of_bake, is_at_work, text) in enumerate(in_pairs(try_values, drawn())):
-        hold(hashes or is_at_work or k >= bare, "a scene without a change was refused: " + text)
+        hold(hashes or is_at_work or k >= bare, "an unchanged scene was refused: " + text)
         is_finite = bool(hashes) and hashes[0] is not None
         compared += len(hashes) == 2 and is_finite
         burst += bool(hashes) and not is_finite
@@ -261,7 +259,7 @@ def parameters(bakes, count):
         if is_finite:
             steps.append(of_bake)
     finite = len(steps)
-    hold(count < 50 or (finite and refused), "%d were baked and %d refused" % (finite, refused))
+    hold(count < 50 or (finite and refused), "%d baked and %d refused: both must occur" % (finite, refused))
     least = max(1, count // 16) if count >= 50 else 1
     hold(not vulkan or compared >= least, "only %d of %d were compared on Vulkan" % (compared, count))
     shutil.rmtree(root)

@@ -1,4 +1,4 @@
-"""Surfaces that no tool should write."""
+"""Malformed surfaces."""
 
 import json
 import math
@@ -12,12 +12,12 @@ import time
 from bakes import BAD_INPUT, DONE, FAILED, PROGRAM, hold, must_be_found
 from refusals import controls, hold_refusal, in_pairs, measured
 
-# Bytes that a small file may take, three times as much as was seen; and for each byte of a larger one.
+# Memory limit in bytes for a small file, three times the most measured, and for each byte of a larger one.
 MOST_MEMORY, MEMORY_A_BYTE = 256 << 20, 1 << 10
 
 
 def sphere(rings, radius=0.3):
-    """Vertices and triangles of a closed surface."""
+    """(vertices, triangles) of a closed sphere."""
     vertices, triangles = [(0.0, radius, 0.0)], []
     for i in range(1, rings):
         for k in range(2 * rings):
@@ -101,7 +101,7 @@ SURFACES = (opened, crossed, flat, doubled, stacked, odd_numbers, scaled, sliver
 
 
 def narrow(x):
-    """As a float of 32 bits has it."""
+    """Rounded to a 32-bit float."""
     try:
         return struct.unpack("<f", struct.pack("<f", x))[0]
     except OverflowError:
@@ -114,7 +114,7 @@ def obj(vertices, triangles):
 
 
 def stl(vertices, triangles):
-    """It has corners in place of vertices: one that is not there is no number."""
+    """STL stores corners, not indices: an index out of range becomes NaN."""
     corner = lambda i: tuple(map(narrow, vertices[i])) if i < len(vertices) else (math.nan,) * 3
     return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(
         struct.pack("<12fH", 0.0, 0.0, 0.0, *(x for i in t for x in corner(i)), 0) for t in triangles)
@@ -133,7 +133,7 @@ def glb(vertices, triangles):
     numbers = [[v[axis] for v in positions if math.isfinite(v[axis])] or [0.0] for axis in range(3)]
     data = b"".join(struct.pack("<3f", *v) for v in positions)
     indices = b"".join(struct.pack("<3I", *(min(i, 2 ** 32 - 1) for i in t)) for t in triangles)
-    # A clip moves it: what nothing moves is no character.
+    # A clip moves the mesh; otherwise it would not be a character.
     clip = struct.pack("<8f", 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0)
     parts = (data, indices, clip[:8], clip[8:])
     begins = [sum(map(len, parts[:i])) for i in range(len(parts))]
@@ -157,17 +157,17 @@ def glb(vertices, triangles):
         struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(data), 0x004E4942) + data
 
 
-# The text, and binary files whose reader has no say in what a number is.
+# A text format, and binary formats that can hold any bit pattern as a number.
 FORMATS = (obj, stl, ply, glb)
 
 
 def hold_memory(taken, size):
-    """A small file may not ask for much, nor a large one for much more than it is."""
+    """Limits the memory by the size of the file."""
     hold(taken <= MOST_MEMORY + MEMORY_A_BYTE * size, "%d MiB for a file of %d bytes" % (taken >> 20, size))
 
 
 def try_surface(inputs):
-    """(whether it was baked, what was said, the longest time, the most memory) of one surface."""
+    """(was baked, output, longest time in s, peak memory in bytes) of one surface."""
     k, kind, surface, environment, folder = inputs
     os.makedirs(folder)
     write = FORMATS[k % len(FORMATS)]
@@ -175,7 +175,7 @@ def try_surface(inputs):
     content = write(*surface)
     with open(path, "wb") as file:
         file.write(content)
-    # As fine as for a character it takes seconds, nearly all in the library that wraps: one in ten.
+    # The default cage detail takes seconds, nearly all in the wrapping library, so only every tenth surface uses it.
     options = ("--resolution", "500", *(() if k % 10 == 9 else ("--cage-detail", "20")))
     longest, most, text = 0.0, 0, ""
     for command in (["inspect", path],
@@ -202,14 +202,14 @@ def surfaces(bakes, count):
     environment = bakes[0].environment()
     controls(environment, root)
     must_be_found(lambda: hold_memory(4 << 30, 2000), "4 GiB for 2 kB")
-    # By a child of a child, as the mesher is.
+    # The mesher is a grandchild, so its memory must count too.
     greedy = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'bytearray(300 << 20)'])"
     _, _, taken = measured([sys.executable, "-c", greedy], environment, root)
-    hold(taken > 300 << 20, "the memory of a child's child is not seen")
+    hold(taken > 300 << 20, "the memory of a grandchild is not counted")
 
     def drawn():
         for k in range(count):
-            # The first of each format is a surface that nothing is wrong with: what refuses all of them is found out.
+            # The first surface of each format is valid: it would expose a program that refuses everything.
             kind = SURFACES[k // len(FORMATS) % len(SURFACES)] if k >= len(FORMATS) else good
             surface = kind(*sphere(random.randint(2, 9)))
             if k >= len(FORMATS) and random.random() < 0.2:
@@ -221,7 +221,7 @@ def surfaces(bakes, count):
         hold(is_whole or k >= len(FORMATS), "a sphere was refused: " + text)
         baked, longest, most = baked + is_whole, max(longest, seconds), max(most, taken)
     refused = count - baked
-    hold(count < 50 or (baked and refused), "%d were baked and %d refused: the surfaces are all of one kind"
+    hold(count < 50 or (baked and refused), "%d baked and %d refused: both must occur"
          % (baked, refused))
     shutil.rmtree(root)
     return "%d surfaces: %d baked, %d refused with one message; no crash, no hang; %.0f s and %d MiB at most" \

@@ -1,4 +1,5 @@
-"""Bakes and exports that are killed: what has its final name is whole, nothing is lost, and they go on."""
+"""SIGKILL during bakes and exports: files with final names are complete, nothing is lost, and the work can be
+resumed."""
 
 import os
 import random
@@ -10,11 +11,11 @@ import time
 from bakes import (DONE, GROWING, PROGRAM, Bake, Kept, control_of_files, control_of_going_on, digest, files, hold,
                    killed_at_work, must_be_found)
 
-# Where a kill fell, as the folder says.
+# When a kill can arrive, judged by the state of the folder.
 PHASES = ("building", "settling", "frames", "ends of files", "export")
-EVERY_FORMAT = "abc,glb,mdd,obj,pc2,usda,vtp"  # that can be exported; vtu needs velocities
+EVERY_FORMAT = "abc,glb,mdd,obj,pc2,usda,vtp"  # all that export writes; vtu needs velocities
 
-# Not careful: each file has its final name before it has its bytes.
+# A careless writer: files get their final names before their bytes are written.
 NAIVE = """import os, sys, time
 source, folder = sys.argv[1:]
 paths = [os.path.join(parent, name) for parent, _, names in os.walk(source) for name in names]
@@ -33,7 +34,7 @@ for name in names:
 
 
 class Export:
-    """A finished bake's folder, written again and again over files that another export of it made."""
+    """Exports of a finished bake, over the files of an older export with other settings."""
 
     name = "export"
 
@@ -49,8 +50,8 @@ class Export:
         self.seconds = time.monotonic() - begin
         self.after = files(self.newer)
         hold(set(self.before) - set(self.after) and self.before["surface.glb"] != self.after["surface.glb"],
-             "two exports do not differ")
-        # A stream has one name in both; of frame files, those of one export or of the other are all there.
+             "the two exports are the same")
+        # Streams have the same name in both exports. Of per-frame files, either set must be complete.
         self.common = {name for name in self.before if os.sep not in name}
         self.folders = {name.split(os.sep)[0] for name in self.before if os.sep in name}
 
@@ -85,31 +86,31 @@ class Export:
         return folder
 
     def hold_whole_files(self, folder):
-        """Each is one of the older export's or one of the newer's, and none is lost."""
+        """Every file is from the older or the newer export, and none is lost."""
         found = files(folder)
         for name, content in found.items():
-            hold(content in (self.before.get(name), self.after.get(name)), "%s/%s: has other bytes" % (folder, name))
+            hold(content in (self.before.get(name), self.after.get(name)), "%s/%s: bytes differ" % (folder, name))
         hold(self.common <= set(found), "%s: lost %s" % (folder, ", ".join(sorted(self.common - set(found)))))
         for inner in self.folders:
             hold(any({name for name in of if name.startswith(inner + os.sep)} <= set(found)
                      for of in (self.before, self.after)), "%s/%s: lost a frame" % (folder, inner))
-        hold(self.all_in(self.source) == self.of_source, self.source + ": the bake that is exported has changed")
+        hold(self.all_in(self.source) == self.of_source, self.source + ": the exported bake has changed")
 
     def finish(self, folder):
         done = subprocess.run(self.command(folder, "--overwrite"), capture_output=True, text=True)
-        hold(done.returncode == DONE, "%s: the next export ended with %d: %s" % (folder, done.returncode, done.stderr))
-        hold(self.all_in(folder) == self.after, folder + ": other files than of an export that was not killed")
+        hold(done.returncode == DONE, "%s: the next export exited with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(self.all_in(folder) == self.after, folder + ": files differ from an undisturbed export")
 
 
 def export_of(bake):
-    """One for all rows."""
+    """Shared by all rows."""
     if not hasattr(bake, "export"):
         bake.export = Export(bake)
     return bake.export
 
 
 class Naive(Bake):
-    """A bake by a program that is not careful."""
+    """A bake by the careless writer."""
 
     def __init__(self, bake):
         super().__init__("naive", ())
@@ -121,14 +122,14 @@ class Naive(Bake):
         return [sys.executable, "-c", NAIVE, self.source, folder]
 
     def start(self, folder, *more):
-        """Once it begins to write: what takes time before is no part of it."""
+        """Returns once writing begins."""
         process = subprocess.Popen(self.command(folder), stdout=subprocess.PIPE, text=True, start_new_session=True)
         process.stdout.readline()
         return process
 
 
 def control_of_writer(bake, export):
-    """A program that is not careful, killed in the same way, as a bake and as an export."""
+    """Control: the careless writer, killed in the same way, as a bake and as an export."""
     naive = Naive(bake)
 
     def as_bake():
@@ -146,12 +147,12 @@ def control_of_writer(bake, export):
             export.hold_whole_files(folder)
             shutil.rmtree(folder)
 
-    must_be_found(as_bake, "a bake's files that have their names before their bytes")
-    must_be_found(as_export, "an export's files that have their names before their bytes")
+    must_be_found(as_bake, "a bake that names files before writing them")
+    must_be_found(as_export, "an export that names files before writing them")
 
 
 def stamp(folder):
-    """Of the manifest: another one once a bake has said there that it is at work."""
+    """Identifies the manifest file; changes once a bake has marked itself there as running."""
     try:
         of = os.stat(os.path.join(folder, "manifest.json"))
         return of.st_ino, of.st_mtime_ns
@@ -160,7 +161,7 @@ def stamp(folder):
 
 
 def phase_of(bake, folder, before):
-    """Where a bake was killed or stopped; `before`: the manifest's stamp when it began."""
+    """The phase in which a bake was killed or stopped; `before`: the manifest's stamp when it began."""
     if stamp(folder) in (before, None):
         return "building"
     if not os.path.exists(os.path.join(folder, GROWING)):
@@ -178,7 +179,7 @@ class Tally:
 
 
 def kill_bake(bake, times, tally):
-    """So many times in a row, then to its end."""
+    """Kills a bake `times` times in a row, then resumes it to the end."""
     folder = bake.empty_folder()
     more = ()
     for _ in range(times):
@@ -228,9 +229,9 @@ def killed(bakes, count):
             if times > 0:
                 (kill_export if subject is export else kill_bake)(subject, times, tally)
         hold(tally.late <= 20 + 5 * tally.all(),
-             "hardly any was at work when it was killed: %d of %d" % (tally.all(), tally.all() + tally.late))
-    # So many that none stays out by chance.
-    hold(count < 200 or all(tally.kills.values()), "a phase without a kill: %s" % tally.kills)
+             "hardly any were still running when killed: %d of %d" % (tally.all(), tally.all() + tally.late))
+    # Enough kills that each phase must have had one.
+    hold(count < 200 or all(tally.kills.values()), "a phase had no kill: %s" % tally.kills)
     return "%d kills hit a bake at work (%s), %d more came after its end; 0 files torn or lost; %d bakes continued " \
            "from their checkpoint, %d had none yet and started over; every file ended up with the bytes of an " \
            "uninterrupted bake or export" % (

@@ -1,17 +1,16 @@
-"""A character of as many joints and clips as are asked for, as glTF: a snake whose every ring follows a joint of its
-own."""
+"""Writes a glTF character with any number of joints and clips: a snake with one joint per ring."""
 
 import base64
 import json
 import math
 import struct
 
-RING, STEP, RADIUS = 8, 0.03, 0.06  # vertices around it, m from joint to joint, m
+RING, STEP, RADIUS = 8, 0.03, 0.06  # vertices per ring, m between joints, m
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 
 
 class Buffer:
-    """Accessors of one buffer, in the order in which they are added."""
+    """Accessors of one buffer, in the order of their add()."""
 
     def __init__(self):
         self.bytes, self.views, self.accessors = b"", [], []
@@ -27,7 +26,7 @@ class Buffer:
 
 
 def snake(joints):
-    """Vertices, triangles, and the joint of each vertex; closed."""
+    """(vertices, triangles, joint of each vertex) of a closed snake."""
     vertices, owner, triangles = [(0.0, -STEP / 2, 0.0)], [0], []
     for i in range(joints):
         for k in range(RING):
@@ -45,7 +44,7 @@ def snake(joints):
 
 
 def write(path, joints, clips):
-    """Clip k turns one joint to and fro in 0.05 s."""
+    """Each clip turns one joint there and back in 0.05 s."""
     vertices, triangles, owner = snake(joints)
     buffer = Buffer()
     position = buffer.add("f", FLOAT, "VEC3", vertices, min=[min(v[a] for v in vertices) for a in range(3)],

@@ -8,7 +8,7 @@ import subprocess
 from bakes import DONE, PROGRAM, hold, must_be_found
 
 PATIENCE = 7200  # s; instrumented shaders take minutes on a busy software device
-# What the layer is told to look for beside what it always does, and the planted faults that it must find then.
+# Optional checks to enable in the layer, and the planted faults that it must then report.
 PASSES = (
     ("synchronization", ("VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT",
                          "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT"),
@@ -19,7 +19,7 @@ PASSES = (
 
 
 def under_layer(command, environment, folder, enables):
-    """Runs it with the layer: (the run, what the layer says of it)."""
+    """Runs a command under the layer: (completed process, the layer's log)."""
     log = os.path.join(folder, "layer.log")
     with open(os.path.join(folder, "vk_layer_settings.txt"), "w") as file:
         file.write("khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n"
@@ -30,7 +30,7 @@ def under_layer(command, environment, folder, enables):
         os.remove(log)
     with_layer = {**environment, "VK_LAYER_SETTINGS_PATH": folder, "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation"}
     done = subprocess.run(command, capture_output=True, text=True, env=with_layer, timeout=PATIENCE)
-    # The layer opens its log as soon as it is there.
+    # The layer creates its log when it is loaded.
     hold(os.path.exists(log), "the layer was not loaded (Debian: vulkan-validationlayers): " + done.stderr)
     with open(log, errors="replace") as file:
         return done, file.read()
@@ -49,8 +49,8 @@ def layers(bakes, count):
     hold(os.path.exists(faults), "FASCICLE_PLANTED_FAULTS names no program")
     listed = subprocess.run([PROGRAM, "scenes"], capture_output=True, text=True, check=True).stdout
     scenes = re.findall(r"^  ([\w.-]+)  ", listed, re.MULTILINE)
-    hold(len(scenes) > 10, "`scenes` names hardly any: " + listed)
-    # The smallest first, for a short form.
+    hold(len(scenes) > 10, "`scenes` lists hardly any: " + listed)
+    # The smallest come first, for the short form.
     scenes.sort(key=lambda name: not name.startswith("bar-hang"))
     chosen = scenes[:count]
     for name, enables, planted in PASSES:
@@ -58,8 +58,8 @@ def layers(bakes, count):
         for fault, said in planted:
             done, text = under_layer([faults, fault], environment, folder, enables)
             hold(done.returncode == DONE, "planted_faults %s: %s" % (fault, done.stderr))
-            hold(said in text, "%s: the layer does not find the fault that was planted (%s): %s" % (name, fault, text))
-            must_be_found(lambda: hold_silent(name, text), "a message of the layer")
+            hold(said in text, "%s: the layer does not report the planted fault (%s): %s" % (name, fault, text))
+            must_be_found(lambda: hold_silent(name, text), "a message from the layer")
         for scene in chosen:
             out = os.path.join(folder, "out")
             command = [PROGRAM, "bake", scene, "--end", "0.034", "--device", "vulkan", "--format", "none", "-o", out]

@@ -1,4 +1,4 @@
-"""Bakes under Valgrind, which sees each access to memory and what is never given back."""
+"""Bakes under Valgrind, which reports invalid accesses and leaks."""
 
 import os
 import re
@@ -11,7 +11,7 @@ from hostile_names import named_character
 FOUND = 99
 VALGRIND = ["valgrind", "-q", "--error-exitcode=%d" % FOUND, "--leak-check=full", "--show-leak-kinds=definite",
             "--errors-for-leak-kinds=definite"]
-# What Valgrind must find, a function each.
+# Faults that Valgrind must find, one per argument.
 FAULTY = """
 #include <cstdlib>
 #include <cstring>
@@ -23,12 +23,12 @@ int main(int, char** arguments) {
   return 0;
 }
 """
-# Valgrind 3.19 knows no AVX-512.
+# Valgrind 3.19 does not support AVX-512.
 UNKNOWN_LEVELS = ("avx512",)
 
 
 def under_valgrind(command, environment, log):
-    """(The run, what Valgrind says of it.)"""
+    """(completed process, Valgrind's log)."""
     done = subprocess.run([*VALGRIND, "--log-file=" + log, *command], capture_output=True, text=True, env=environment)
     with open(log, errors="replace") as file:
         return done, file.read()
@@ -36,8 +36,8 @@ def under_valgrind(command, environment, log):
 
 def hold_clean(command, environment, log):
     done, said = under_valgrind(command, environment, log)
-    # What is no error counts too, as that it does not know an instruction.
-    hold(done.returncode == DONE and not said.strip(), "%s ended with %d: %s\n%s"
+    # Any output fails, including warnings such as an unknown instruction.
+    hold(done.returncode == DONE and not said.strip(), "%s exited with %d: %s\n%s"
          % (" ".join(command), done.returncode, done.stderr[-1000:], said[:3000]))
 
 
@@ -56,16 +56,16 @@ def memory(bakes, count):
     for fault, name in (("read", "Invalid read"), ("unset", "uninitialised"), ("leak", "definitely lost")):
         must_be_found(lambda: hold_clean([faulty, fault], environment, log), "a planted fault: " + fault)
         _, said = under_valgrind([faulty, fault], environment, log)
-        hold(name in said, "%s is not found as %s: %s" % (fault, name, said))
+        hold(name in said, "%s is not reported as %s: %s" % (fault, name, said))
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
     found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
-    hold(found, "the CPU names no level")
+    hold(found, "the CPU lists no levels")
     levels = [level for level in found.group(1).split(", ") if level not in UNKNOWN_LEVELS]
     runs = 0
     character = os.path.join(root, "box.glb")
     with open(character, "wb") as file:
         file.write(named_character("box"))
-    # The character first, for a short form.
+    # The character comes first, for the short form.
     jobs = [(scene, level) for scene in ([character], ["bar-hang-none", "--set", "bar.vertices=[4,8,4]"])
             for level in reversed(levels)]
     for scene, level in jobs[:count]:

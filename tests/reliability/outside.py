@@ -1,4 +1,4 @@
-"""What bakes ask of the system."""
+"""The files, sockets and programs that bakes use."""
 
 import glob
 import os
@@ -11,13 +11,13 @@ from bakes import DONE, PROGRAM, hold, must_be_found
 import large_character
 
 PROGRAMS = ("fascicle", "fascicle-mesher")
-# All calls that name a file, of which LOOKS only ask what there is; and those that make a socket or use one.
+# All calls that name a file or use a socket. LOOKS are calls that only query a file.
 CALLS = "trace=%file,socket,connect,bind"
 LOOKS = re.compile(r"(new|old)?l?f?stat(at|64|x|fs|fs64)?$|statx$|access$|faccessat2?$|readlink(at)?$|getcwd$|chdir$")
 CHANGES = re.compile(r"O_WRONLY|O_RDWR|O_CREAT|O_TRUNC")
 
-# What may be opened for reading beside a bake's input, output, cache and temporary folder, and why. A path stands for
-# all below it.
+# Paths, and all below them, that a bake may open for reading besides its input, output, cache and temporary folder; and
+# why.
 READ_BY_ALL = (
     (os.path.dirname(PROGRAM), "the program, the mesher beside it"),
     ("/etc/ld.so.cache", "where the loader finds libraries"),
@@ -31,7 +31,7 @@ READ_BY_ALL = (
     ("/proc/sys/vm/overcommit_memory", "the C library, as it gives memory back"),
     ("/dev/null", "in place of a child's input"),
 )
-# On lavapipe: what the Vulkan loader and Mesa open beside that.
+# Paths that the Vulkan loader and Mesa also open on lavapipe.
 READ_BY_VULKAN = (
     ("/usr/share/vulkan", "the loader: drivers, layers"), ("/usr/local/share/vulkan", "the loader"),
     ("/etc/vulkan", "the loader"), ("/etc/xdg/vulkan", "the loader"),
@@ -42,10 +42,10 @@ READ_BY_VULKAN = (
 
 
 def traced(command, environment, folder, log):
-    """The calls of it and of its children, whole lines each, those that failed among them."""
+    """The traced calls of a command and its children, one line each, including failed ones."""
     shutil.rmtree(log, ignore_errors=True)
     os.mkdir(log)
-    # -y names the folders of names that are relative to one.
+    # -y prints the folder that a relative path belongs to.
     done = subprocess.run(["strace", "-ff", "-y", "-qq", "-s", "4096", "-e", CALLS, "-o", log + "/of", *command],
                           capture_output=True, text=True, env=environment, cwd=folder)
     hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
@@ -57,7 +57,7 @@ def traced(command, environment, folder, log):
 
 
 def of_own(path):
-    """A process by its number is one of those that are traced, as /proc/self is."""
+    """/proc/PID is a traced process, so treat it as /proc/self."""
     return re.sub(r"^/proc/\d+", "/proc/self", path)
 
 
@@ -66,8 +66,8 @@ def is_below(path, folders):
 
 
 def hold_inside(lines, allowed, read=(), programs=PROGRAMS):
-    """Nothing is changed but below what is allowed, nothing is opened but that and what may be read, nothing is started
-    but these programs, whether the call worked or not; and there is no socket."""
+    """Changes are only below `allowed`, reads only there or below `read`, only `programs` are started, and no socket is
+    used. Failed calls count too."""
     for line in lines:
         name, _, words = line.partition("(")
         paths = [of_own(os.path.normpath(os.path.join(folder, path))) for folder, path in
@@ -75,17 +75,17 @@ def hold_inside(lines, allowed, read=(), programs=PROGRAMS):
         if name in ("socket", "connect", "bind"):
             hold(False, "a socket: " + line)
         elif name == "execve":
-            # A batch starts itself.
+            # A batch starts this program again for its bakes.
             hold(os.path.basename(paths[0]) in programs or paths[0] == "/proc/self/exe", "another program: " + line)
         elif not LOOKS.match(name):
             is_change = not name.startswith("open") or CHANGES.search(line)
             for path in paths:
                 hold(is_below(path, allowed) or path in ("/dev/null", "/dev/tty") or
-                     not is_change and is_below(path, read), "a file outside: " + line)
+                     not is_change and is_below(path, read), "an unexpected file: " + line)
 
 
 def hold_controls(bake):
-    """Programs that are not careful."""
+    """Controls: programs that break each rule."""
     root = bake.empty_folder()
     python = os.path.basename(sys.executable)
     passwd = "open('/etc/passwd').read()"
@@ -97,7 +97,7 @@ def hold_controls(bake):
                          ("open(%r, 'w').close()" % os.path.join(root, "sibling-x"), "a file of a folder beside")):
         script = "try:\n %s\nexcept OSError: pass" % script
         lines = traced([sys.executable, "-S", "-c", script], bake.environment(), root, root + "/control")
-        # Of Python itself all may be read that lies elsewhere.
+        # Python itself reads files all over the system.
         read = [path for path in ("/usr", "/lib", "/lib64", "/proc", "/sys", "/root", "/home", "/opt", sys.prefix,
                                   sys.base_prefix, "/etc/localtime", "/etc/ld.so.cache", "/etc/ld.so.preload")]
         programs = (python, "python3")
@@ -115,7 +115,7 @@ def outside(bakes, count):
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
 
     def prepared(root):
-        """The files that the commands below read."""
+        """Writes the input files of the commands below."""
         large_character.write(os.path.join(root, "snake.gltf"), 6, 1)
         with open(os.path.join(root, "jobs.toml"), "w") as file:
             file.write('[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=0.1"]\nformat = ["pc2"]\n'
@@ -167,11 +167,11 @@ def outside(bakes, count):
         out = os.path.join(root, "out")
         allowed = [out, bake.cache, temporary]
         hold_inside(lines, allowed, read)
-        must_be_found(lambda: hold_inside(lines, allowed[1:], read), "files outside")
+        must_be_found(lambda: hold_inside(lines, allowed[1:], read), "files outside the allowed folders")
         without = [path for path in read if "lib" not in path]
-        must_be_found(lambda: hold_inside(lines, allowed, without), "libraries that are read")
+        must_be_found(lambda: hold_inside(lines, allowed, without), "libraries that are read without permission")
         kept = os.listdir(home)
-        hold(not kept, "in the home: " + ", ".join(kept))
+        hold(not kept, "files in the home folder: " + ", ".join(kept))
         traces += 1
         for folder in (root, temporary, home, root + ".strace"):
             shutil.rmtree(folder)

@@ -1,4 +1,4 @@
-"""docs/reliability.md: what each row does, and what its last run found. docs/reliability.json keeps the findings."""
+"""docs/reliability.md: what each row does and what its last run found. docs/reliability.json holds the results."""
 
 import json
 import os
@@ -90,7 +90,7 @@ def machine():
 
 
 def write(found_now):
-    """Rows that did not run keep what they found before."""
+    """Rows that did not run keep their earlier results."""
     found = found_before()
     found.update(found_now)
     found = {row.name: found[row.name] for row in rows.ROWS if row.name in found}
@@ -99,6 +99,6 @@ def write(found_now):
 
 
 def is_written():
-    """Whether the page is what this code writes of the findings."""
+    """Whether the page is up to date with docs/reliability.json."""
     with open(PAGE_FILE) as file:
         return file.read() == text_of(found_before())

@@ -1,7 +1,7 @@
-// planted_faults core|synchronization|gpu: asks Vulkan for something wrong, by the solver's own means, and
-// does nothing else. A control: a validation layer that watches must have something to say.
-// planted_faults layer: opens a device that is to watch itself, as tests do. Ends with 4, and why, where it
-// cannot.
+// planted_faults core|synchronization|gpu: makes one invalid use of Vulkan through the solver's own classes.
+// A control: the validation layer must report it.
+// planted_faults layer: opens a device with the validation layer, as tests do. Exits with 4 and a reason if
+// it cannot.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -20,18 +20,18 @@ using namespace fascicle::gpu;
 
 constexpr VkDeviceSize bytes = 1024;
 
-// Reads beyond the end of a buffer, by a copy whose size the host knows.
+// Reads past the end of a buffer, by a copy whose size the host knows.
 void plant_core(CommandBuffer& commands, const Buffer& from, const Buffer& to) {
   commands.copy(from, 0, to, 0, 2 * bytes);
 }
 
-// Two copies to one place, and nothing says which is the last.
+// Two copies to the same place without a barrier between them.
 void plant_hazard(CommandBuffer& commands, const Buffer& from, const Buffer& to) {
   commands.copy(from, 0, to, 0, bytes);
   commands.copy(from, 0, to, 0, bytes);
 }
 
-// Reads beyond the end of a buffer, in a shader.
+// Reads past the end of a buffer, in a shader.
 void plant_on_device(Device::Impl& device, const Buffer& from, const Buffer& to) {
   constexpr std::uint32_t group = 128;
   std::array<std::uint32_t, shader::constant_count> constants{};
@@ -67,7 +67,7 @@ int main(int count, char** arguments) {
   Device::Impl& device = opened.impl();
   const Buffer from(device, bytes, BufferUse::storage), to(device, bytes, BufferUse::storage);
   if (fault == "gpu") return plant_on_device(device, from, to), 0;
-  // Recorded, and never submitted: no driver has to live through it.
+  // Recorded but never submitted, so that no driver has to survive it.
   const CommandPool pool(device);
   CommandBuffer commands(device, pool);
   if (fault == "core") return plant_core(commands, from, to), 0;

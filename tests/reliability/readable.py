@@ -1,4 +1,4 @@
-"""What others read is read as they do: each format's file, and pages and scripts whose words come from a character."""
+"""Checks that each output file is well-formed in its format, and that names in pages and scripts cannot become code."""
 
 import ast
 import json
@@ -10,7 +10,7 @@ import xml.etree.ElementTree
 
 from bakes import hold
 
-# What a page or a script must not do: names that are asked to be code call it.
+# Hostile names call this function if a page or script lets them become code.
 CALLED = "escaped"
 OBJ_WORDS = ("v", "vn", "vt", "f", "o", "g", "s", "usemtl", "mtllib")
 MTL_WORDS = ("newmtl", "Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr", "illum", "map_Kd", "Pr", "Pm",
@@ -21,7 +21,7 @@ USD_NAME = re.compile(r"[A-Za-z_]\w*$")
 def lines_of(content, words, path):
     for line in content.decode().split("\n"):
         word = line.split(" ")[0]
-        hold(not line.strip() or line.startswith("#") or word in words, "%s: a line of its own: %r" % (path, line[:80]))
+        hold(not line.strip() or line.startswith("#") or word in words, "%s: unexpected line: %r" % (path, line[:80]))
         hold(word not in ("v", "vn", "vt") or all(map(is_number, line.split()[1:])), "%s: %r" % (path, line[:80]))
 
 
@@ -38,69 +38,69 @@ def mtl(content, path):
 
 
 def usda(content, path):
-    """Its strings end in their line, its brackets close, and prims have the names that USD allows."""
+    """Strings end on their line, brackets match, and prims have valid USD names."""
     text = content.decode()
-    hold(text.startswith("#usda 1.0"), path + ": no USD")
+    hold(text.startswith("#usda 1.0"), path + ": not USD")
     bare = re.sub(r'"""(?:[^"\\]|\\.|"(?!""))*"""|"(?:[^"\\\n]|\\.)*"|@[^@\n]*@|<[^>\n]*>|#[^\n]*', "", text)
-    hold('"' not in bare and "@" not in bare, path + ": a string does not end")
+    hold('"' not in bare and "@" not in bare, path + ": unterminated string")
     open_ones = []
     for mark in re.findall(r"[(){}\[\]]", bare):
         if mark in "({[":
             open_ones.append(mark)
         else:
-            hold(open_ones and open_ones.pop() + mark in ("()", "{}", "[]"), path + ": brackets do not close")
-    hold(not open_ones, path + ": brackets do not close")
+            hold(open_ones and open_ones.pop() + mark in ("()", "{}", "[]"), path + ": unbalanced brackets")
+    hold(not open_ones, path + ": unbalanced brackets")
     for name in re.findall(r'^\s*(?:def|over|class) \w* ?"([^\n]*?)"\s*[({]?$', text, re.MULTILINE):
-        hold(USD_NAME.match(name), "%s: a prim is called %r" % (path, name))
+        hold(USD_NAME.match(name), "%s: invalid prim name %r" % (path, name))
 
 
 def pc2(content, path):
-    hold(content.startswith(b"POINTCACHE2\0"), path + ": no point cache")
+    hold(content.startswith(b"POINTCACHE2\0"), path + ": not a point cache")
     points, samples = struct.unpack_from("<i", content, 16)[0], struct.unpack_from("<i", content, 28)[0]
-    hold(points > 0 and samples > 0 and len(content) == 32 + 12 * points * samples, path + ": another size")
+    hold(points > 0 and samples > 0 and len(content) == 32 + 12 * points * samples, path + ": wrong size")
 
 
 def mdd(content, path):
     frames, points = struct.unpack_from(">2i", content)
-    hold(frames > 0 and points > 0 and len(content) == 8 + 4 * frames + 12 * points * frames, path + ": another size")
+    hold(frames > 0 and points > 0 and len(content) == 8 + 4 * frames + 12 * points * frames, path + ": wrong size")
 
 
 def glb(content, path):
     magic, version, size = struct.unpack_from("<3I", content)
-    hold((magic, version, size) == (0x46546C67, 2, len(content)), path + ": no glTF")
+    hold((magic, version, size) == (0x46546C67, 2, len(content)), path + ": not glTF")
     json.loads(content[20:20 + struct.unpack_from("<I", content, 12)[0]])
 
 
 def vtk(content, path):
     head, appended, _ = content.partition(b"<AppendedData")
-    # Raw bytes stand behind it, as VTK has it.
+    # VTK puts raw bytes after <AppendedData>, so the rest is not XML.
     xml.etree.ElementTree.fromstring(head + (b"</VTKFile>" if appended else b""))
 
 
 def abc(content, path):
-    hold(content.startswith(b"Ogawa\xff"), path + ": no Alembic that is whole")
+    hold(content.startswith(b"Ogawa\xff"), path + ": not a complete Alembic file")
 
 
 def html(content, path):
     text = content.decode()
     for planted in ("<script>" + CALLED, "<img src=x", "<b>&amp;]]>"):
-        hold(planted not in text, "%s: a name is mark-up: %s" % (path, planted))
+        hold(planted not in text, "%s: a name became markup: %s" % (path, planted))
 
 
 def py(content, path):
-    """It compiles, and no name in it has become code."""
+    """It parses as Python, and no name became code."""
     tree = ast.parse(content, path)
     hold(not any(isinstance(node, ast.Name) and node.id == CALLED for node in ast.walk(tree)),
-         path + ": a name is code")
+         path + ": a name became code")
 
 
 def sh(content, path):
     done = subprocess.run(["bash", "-n", path], capture_output=True, text=True)
     hold(done.returncode == 0 and not done.stderr, "%s: %s" % (path, done.stderr))
-    # With every quoted word left out nothing of a name may be left.
+    # Outside quotes, nothing of a name may remain.
     bare = re.sub(r"'[^']*'|\"(?:[^\"\\$`]|\\.|\$\{?\w+\}?)*\"|\\.", "", content.decode())
     hold(CALLED not in "\n".join(line for line in bare.split("\n") if not line.startswith("#")),
-         path + ": a name is a command")
+         path + ": a name became a command")
 
 
 def as_json(content, path):
@@ -112,7 +112,7 @@ READERS = {".obj": obj, ".mtl": mtl, ".usda": usda, ".pc2": pc2, ".mdd": mdd, ".
 
 
 def hold_readable(path):
-    """Whether it is of a kind that is read here."""
+    """Checks a file; returns whether there is a reader for its extension."""
     read = READERS.get(os.path.splitext(path)[1])
     if read is None:
         return False

@@ -1,8 +1,8 @@
-"""Disturbs bakes in every way that rows.py lists, and says what it found.
+"""Disturbs bakes in every way that rows.py lists, and reports the results.
 
 reliability.py [ROW...] [--short] [--share S] [--write]: FASCICLE_PROGRAM names the program, FASCICLE_FAILING_CALLS the
-library that lets calls fail, FASCICLE_FAULT_LAYER the Vulkan layer that does. --short: as often as CI has time for.
---share: that share of the runs. --write: puts the results on the page in docs, where rows that did not run keep
+library that makes calls fail, FASCICLE_FAULT_LAYER the Vulkan layer that does. --short: as many runs as CI has time
+for. --share: that share of the runs. --write: puts the results on the page in docs; rows that did not run keep
 theirs."""
 
 import argparse
@@ -29,7 +29,7 @@ def main():
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
-    # A shell's background job ignores it, and so would all bakes.
+    # Background jobs of a shell ignore SIGINT, and their children inherit that.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=page.DOCS, text=True, stdout=subprocess.PIPE,
                             stderr=subprocess.DEVNULL, check=False).stdout.strip() or "unknown"

@@ -1,6 +1,6 @@
-"""What a bake must outlast, a function a row of the table: each disturbs it `count` times and holds what is left
-against an undisturbed one. A row returns its figure; it raises Broken where something does not hold. Each has a
-control: the same checks against a program that is not careful, which they must find out."""
+"""The rows of the table, one function each. A row disturbs bakes `count` times and compares the results with an
+undisturbed bake. It returns its figure, or raises Broken if a check fails. Each row has controls: the same checks must
+fail for a careless program."""
 
 import json
 import os
@@ -28,7 +28,7 @@ from outside import outside
 from stopped import PATIENCE, stopped
 
 
-HEAD_BYTES = 128  # of a file, with all of its header
+HEAD_BYTES = 128  # the first bytes of a file, including all of its header
 HEAD_OF_FRAMES = 104  # bytes before the first frame (host/bake/read_frame_cache.h)
 
 
@@ -44,7 +44,7 @@ def resumed(bakes, count):
     bake = bakes[0]
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
     found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
-    hold(found, "the CPU names no level")
+    hold(found, "the CPU lists no levels")
     levels = ["cpu:" + level for level in found.group(1).split(", ")]
     frames = len(bake.hashes) - 1
     end = float(bake.arguments[bake.arguments.index("--end") + 1])
@@ -59,14 +59,14 @@ def resumed(bakes, count):
         hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
         refused = bake.run(folder, "--resume", "--set", "layers.body.alpha=0.9")
         hold(refused.returncode == BAD_INPUT and "the key layers.body.alpha was" in refused.stderr,
-             "%s: another stiffness was not refused: %s" % (folder, refused.stderr))
+             "%s: a changed stiffness was not refused: %s" % (folder, refused.stderr))
         bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
         shutil.rmtree(folder)
     return "%d of %d have the bytes of an uninterrupted bake; a changed stiffness is refused by name" % (count, count)
 
 
 def processes_in(folder):
-    """Numbers of the processes that were given a file in this folder."""
+    """PIDs of processes whose arguments name this folder."""
     found = []
     for name in os.listdir("/proc"):
         if not name.isdigit() or int(name) == os.getpid():
@@ -109,8 +109,8 @@ def batches_stopped(bakes, count):
     left = os.path.join(root, "left")
     script = "import time; print(flush=True); time.sleep(60)"
     child = subprocess.Popen([sys.executable, "-c", script, left], stdout=subprocess.PIPE)
-    child.stdout.readline()  # a program that has only just begun has no arguments yet
-    must_be_found(lambda: hold(not processes_in(left), "a child lives"), "a child that lives")
+    child.stdout.readline()  # before exec() has finished, the arguments are not visible
+    must_be_found(lambda: hold(not processes_in(left), "a child is running"), "a child that is running")
     child.kill()
     child.communicate()
     for k in range(count):
@@ -118,27 +118,27 @@ def batches_stopped(bakes, count):
         number = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[k % 3]
         process = subprocess.Popen([*command, folder], env=environment, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL, start_new_session=True)
-        while not os.path.exists(os.path.join(folder, "batch.json")):  # its handlers are there by then
+        while not os.path.exists(os.path.join(folder, "batch.json")):  # its signal handlers are installed by then
             time.sleep(0.001)
         time.sleep(random.uniform(0.0, seconds))
         process.send_signal(number)
         status = process.wait()
         hold(status in ((-number, DONE) if number == signal.SIGKILL else (DONE, INTERRUPTED)),
-             "%s: signal %d ended the batch with %d" % (folder, number, status))
+             "%s: after signal %d the batch exited with %d" % (folder, number, status))
         patience = time.monotonic() + PATIENCE
         while processes_in(folder) and time.monotonic() < patience:
             time.sleep(0.02)
-        hold(not processes_in(folder), folder + ": a child outlives the batch")
+        hold(not processes_in(folder), folder + ": a child outlived the batch")
         done = subprocess.run([*command, folder, "--resume"], env=environment, capture_output=True, text=True)
-        hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
-        hold(files_of(folder) == expected, folder + ": other bytes")
+        hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(files_of(folder) == expected, folder + ": bytes differ")
         shutil.rmtree(folder)
     return "%d batches; no child survived, and each batch was resumed to the same bytes" % count
 
 
 def damages(content, count):
-    """(what is left of the content, what was done to it, the byte that turned or none): a bit of each of the first
-    bytes, an end at each 4 KiB, then a bit anywhere."""
+    """(damaged content, description, flipped byte or None): one flipped bit in each of the first bytes, cuts at
+    multiples of 4 KiB, then flips at random."""
     size = len(content)
 
     def flipped(at, bit):
@@ -149,7 +149,7 @@ def damages(content, count):
 
     head = [(at, at % 8) for at in range(min(size, HEAD_BYTES))]
     ends = list(range(0, size, 4096))
-    few = max(1, 2 * count // 5)  # fewer than all only where hardly any is asked for
+    few = max(1, 2 * count // 5)  # limits head and ends only if count is small
     for at, bit in random.sample(head, min(len(head), few)):
         yield flipped(at, bit)
     for at in random.sample(ends, min(len(ends), few)):
@@ -159,7 +159,7 @@ def damages(content, count):
 
 
 def same_json(one, other):
-    """An e of an exponent may as well be an E."""
+    """Compares the values: a flipped bit may turn the `e` of an exponent into an `E`."""
     try:
         return json.loads(one) == json.loads(other)
     except ValueError:
@@ -167,7 +167,7 @@ def same_json(one, other):
 
 
 def damage(path, count, check):
-    """`check` with so many damages of the file, one at a time; how many there were."""
+    """Runs `check` on `count` damaged versions of a file, one at a time; returns how many."""
     with open(path, "rb") as file:
         content = file.read()
     done = 0
@@ -195,7 +195,7 @@ def damaged(bakes, count):
     def ended(command, wanted, word="", what="undamaged"):
         done = subprocess.run([PROGRAM, *command], capture_output=True, text=True)
         hold(done.returncode == wanted and word in done.stdout + done.stderr,
-             "%s: %s ended with %d: %s" % (what, " ".join(command), done.returncode, done.stdout + done.stderr))
+             "%s: %s exited with %d: %s" % (what, " ".join(command), done.returncode, done.stdout + done.stderr))
 
     found = {}
     ended(["verify", folder], DONE)
@@ -233,7 +233,7 @@ def damaged(bakes, count):
         kept.hold_whole(out)
         shutil.rmtree(out)
 
-    must_be_found(lambda: rebuilt("another body", None, "--set", "character.resolution=0.13"), "another body")
+    must_be_found(lambda: rebuilt("another body", None, "--set", "character.resolution=0.13"), "a different body")
     for name in sorted(os.listdir(kept.cache)):
         if name.endswith(".entry"):
             what = damage(os.path.join(kept.cache, name), max(1, count // 40), rebuilt)

@@ -1,4 +1,4 @@
-"""Bakes that are asked to end by SIGTERM and SIGINT, and one bake of a batch."""
+"""SIGTERM and SIGINT to bakes, and to one bake of a batch."""
 
 import json
 import os
@@ -14,30 +14,29 @@ from bakes import (DONE, INTERRUPTED, PROGRAM, Broken, control_of_files, control
                    frame_of_checkpoint, hold, manifest, must_be_found)
 from killed import PHASES, phase_of, stamp
 
-PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
+PATIENCE = 120.0  # s, for what takes a moment on an idle machine
 AT_ONCE = 2.0  # s
-# After the last frame that is written: one that is being written, one that waits for it, the one that the solver has
-# in hand and the one that is asked of it already. The frame in hand is the only one that is waited for.
+# Frames after the last written one: one being written, one queued behind it, one being solved and one already
+# requested. Only the frame being solved is waited for.
 MOST_AHEAD = 4
-# A frame of it takes seconds.
+# Each frame takes seconds.
 SLOW = ["bar-hang-none", "--set", "bar.vertices=[60,50,50]", "--set", "solver.substeps=1000", "--end", "0.2",
         "--device", "cpu", "--threads", "1"]
 IGNORANT = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(30)"
-TWICE = 4  # one in so many gets two signals
+TWICE = 4  # one bake in this many gets two signals
 
 
 def ended_within(process, seconds):
-    """What it says on stderr. It is gone in any case."""
+    """Waits for the process to exit and returns its stderr; kills it if it takes too long."""
     try:
         return process.communicate(timeout=seconds)[1]
     except subprocess.TimeoutExpired:
         end_by(process, signal.SIGKILL)
-        raise Broken("it goes on %.0f s after a signal" % seconds) from None
+        raise Broken("it is still running %.0f s after a signal" % seconds) from None
 
 
 def stand_still(process):
-    """Stops all its threads: nothing happens between what is read of its files now and the next signal. Whether it was
-    still there."""
+    """Pauses the process, so that its files cannot change before the next signal. False if it has exited."""
     try:
         os.kill(process.pid, signal.SIGSTOP)
     except ProcessLookupError:
@@ -47,15 +46,15 @@ def stand_still(process):
 
 
 def hold_near(checkpoint, last_written, folder):
-    """The checkpoint is of a frame that was under way at the signal."""
+    """The checkpoint is at a frame that was in progress at the signal."""
     hold(checkpoint is not None and last_written <= checkpoint <= last_written + MOST_AHEAD,
-         "%s: frame %d was written at the signal, and the checkpoint is of %s" % (folder, last_written, checkpoint))
+         "%s: frame %d was written at the signal, but the checkpoint is at %s" % (folder, last_written, checkpoint))
     return checkpoint - last_written
 
 
 def signalled(bake, number, is_twice, frames_late=0):
-    """(exit status, phase, frames from the last one written at the signal to the checkpoint or None, folder). It goes
-    on for `frames_late` frames before the signal comes: a control."""
+    """(exit status, phase, frames from the last written one at the signal to the checkpoint or None, folder). As a
+    control, the signal can come `frames_late` frames after the count."""
     folder = bake.empty_folder()
     before = stamp(folder)
     process = bake.start_listening(folder)
@@ -64,7 +63,7 @@ def signalled(bake, number, is_twice, frames_late=0):
         time.sleep(0.0005)
     if not stand_still(process):
         text = ended_within(process, PATIENCE)
-        hold(process.returncode == DONE, "%s: ended with %d: %s" % (folder, process.returncode, text))
+        hold(process.returncode == DONE, "%s: exited with %d: %s" % (folder, process.returncode, text))
         return DONE, None, None, folder
     phase, written = phase_of(bake, folder, before), bake.frames_in(folder)
     if frames_late:
@@ -76,14 +75,14 @@ def signalled(bake, number, is_twice, frames_late=0):
     if is_twice:
         process.send_signal(number)
     text = ended_within(process, PATIENCE)
-    # Twice: the second may come when the first has ended it.
+    # The second signal may arrive after the first one's handling is over.
     wanted = (DONE, INTERRUPTED, -number) if is_twice else (DONE, INTERRUPTED)
     hold(process.returncode in wanted,
-         "%s: signal %d ended it with %d: %s" % (folder, number, process.returncode, text))
+         "%s: after signal %d it exited with %d: %s" % (folder, number, process.returncode, text))
     ahead = None
     if process.returncode == INTERRUPTED and written > 0:
         said = manifest(folder)["status"]
-        hold(said == "interrupted", "%s: interrupted, and the manifest says %s" % (folder, said))
+        hold(said == "interrupted", "%s: interrupted, but the manifest says %s" % (folder, said))
         ahead = hold_near(frame_of_checkpoint(folder), written - 1, folder)
     return process.returncode, phase, ahead, folder
 
@@ -98,7 +97,7 @@ def control_of_signals(bake):
     def late():
         signalled(bake, signal.SIGTERM, False, frames_late=MOST_AHEAD + 20)
 
-    must_be_found(late, "a bake that goes on for twenty frames")
+    must_be_found(late, "a bake that continues for twenty frames")
 
 
 def processor_seconds(process):
@@ -108,22 +107,22 @@ def processor_seconds(process):
 
 
 def is_pending(process, number):
-    """Whether a signal that was sent has not come yet: a second one of its kind would be lost."""
+    """Whether a sent signal is still pending: a second one of the same kind would be lost."""
     with open("/proc/%d/status" % process.pid) as file:
         found = re.search(r"^ShdPnd:\s*(\w+)", file.read(), re.MULTILINE)
     return found is not None and bool(int(found.group(1), 16) & 1 << (number - 1))
 
 
 def second_signal(bake, number, root):
-    """Seconds from a second signal, while the first one still waits for a frame, to the end."""
+    """Seconds to exit after a second signal, sent while the first one still waits for a frame."""
     folder = os.path.join(root, "slow")
     process = subprocess.Popen([PROGRAM, "bake", *SLOW, "-o", folder], stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE, text=True, env=bake.environment(), start_new_session=True)
     patience = time.monotonic() + PATIENCE
     while frame_of_checkpoint(folder) is None and process.poll() is None:
-        hold(time.monotonic() < patience, "the slow bake does not begin")
+        hold(time.monotonic() < patience, "the slow bake does not start")
         time.sleep(0.01)
-    # From the checkpoint of frame 0 on it is soon at work on the next one.
+    # After the checkpoint of frame 0 it soon solves the next frame.
     begin = processor_seconds(process)
     while process.poll() is None and processor_seconds(process) < begin + 0.5:
         time.sleep(0.01)
@@ -131,12 +130,12 @@ def second_signal(bake, number, root):
     while process.poll() is None and is_pending(process, number):
         time.sleep(0.01)
     time.sleep(0.3)
-    hold(process.poll() is None, "a frame of the slow bake is too short: the first signal has ended it")
+    hold(process.poll() is None, "frames of the slow bake are too short: the first signal ended it")
     begin = time.monotonic()
     process.send_signal(number)
     text = ended_within(process, AT_ONCE)
     seconds = time.monotonic() - begin
-    hold(process.returncode == -number, "a second signal %d ended it with %d: %s" % (number, process.returncode, text))
+    hold(process.returncode == -number, "a second signal %d: exit status %d: %s" % (number, process.returncode, text))
     done = subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
     hold(done.returncode == DONE, "%s: verify after two signals: %s" % (folder, done.stderr))
     shutil.rmtree(folder)
@@ -144,7 +143,7 @@ def second_signal(bake, number, root):
 
 
 class Batch:
-    """Four bars, two at once, of which one gets a signal alone."""
+    """A batch of four bars, two at once, of which one bake alone gets a signal."""
 
     def __init__(self, bake):
         self.root, self.environment = bake.root, bake.environment()
@@ -161,18 +160,18 @@ class Batch:
 
     def run(self, folder, *more):
         done = subprocess.run(self.command(folder, *more), env=self.environment, capture_output=True, text=True)
-        hold(done.returncode == DONE, "%s: ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(done.returncode == DONE, "%s: exited with %d: %s" % (folder, done.returncode, done.stderr))
 
     @staticmethod
     def files_in(folder):
         return {name: content for name, content in files(folder).items() if os.sep in name and name[0] != "."}
 
     def child_signalled(self, number):
-        """Whether a child was at work, and the batch went on without it."""
+        """Returns whether the signal stopped a child; the batch carries on without it."""
         folder = os.path.join(self.root, "stopped-batch")
         process = subprocess.Popen(self.command(folder), env=self.environment, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, text=True, start_new_session=True)
-        # A child listens once it has begun its bake.
+        # Children handle signals once their bake has started.
         while not (at_work := self.at_work(process)) and process.poll() is None:
             time.sleep(0.001)
         time.sleep(random.uniform(0.0, 0.2))
@@ -186,20 +185,20 @@ class Batch:
             states = [job["status"] for job in json.load(file)["jobs"]]
         stopped = states.count("interrupted")
         hold(sorted(set(states)) in (["done"], ["done", "interrupted"]) and stopped <= 1,
-             "%s: a child's signal left %s" % (folder, states))
+             "%s: after a signal to one child, the jobs are %s" % (folder, states))
         hold(process.returncode == (INTERRUPTED if stopped else DONE),
-             "%s: one of its bakes got signal %d, and the batch ended with %d: %s" % (
+             "%s: one of its bakes got signal %d, and the batch exited with %d: %s" % (
                  folder, number, process.returncode, text))
         hold(not stopped or re.search(r"bar-0\.\d: interrupted", text),
-             "%s: it does not say which: %s" % (folder, text))
+             "%s: it does not name the interrupted job: %s" % (folder, text))
         self.run(folder, "--resume")
-        hold(self.files_in(folder) == self.whole, folder + ": other bytes")
+        hold(self.files_in(folder) == self.whole, folder + ": bytes differ")
         shutil.rmtree(folder)
         return bool(stopped)
 
     @staticmethod
     def at_work(process):
-        """Children that catch the signals."""
+        """PIDs of child bakes that handle SIGTERM."""
         found = []
         try:
             with open("/proc/%d/task/%d/children" % (process.pid, process.pid)) as file:
@@ -237,8 +236,8 @@ def stopped(bakes, count):
         bake.hold_counted(folder)
         went_on += bake.resume(folder)
         shutil.rmtree(folder)
-    hold(count < 200 or all(phases.values()), "a phase without a signal: %s" % phases)
-    hold(count < 40 or all(ended.values()), "a signal that ended no bake with 75: %s" % ended)
+    hold(count < 200 or all(phases.values()), "a phase had no signal: %s" % phases)
+    hold(count < 40 or all(ended.values()), "a signal made no bake exit with 75: %s" % ended)
     seconds = [second_signal(bakes[0], signals[(k + 1) % 2], bakes[0].root) for k in range(max(1, count // 40))]
     batch = Batch(bakes[0])
     children = max(1, count // 20)
