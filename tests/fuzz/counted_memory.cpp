@@ -10,7 +10,7 @@ namespace {
 
 std::atomic<std::size_t> held{0}, most_held{0};
 
-// Null, of which nothing is held, where there was no memory.
+// Records an allocation; null counts as nothing.
 void* counted(void* memory) {
   const std::size_t now = held += ::malloc_usable_size(memory);
   for (std::size_t most = most_held; now > most && !most_held.compare_exchange_weak(most, now);) {
@@ -39,7 +39,7 @@ void give_back(void* memory) {
 
 }  // namespace
 
-// All forms: what the C++ library or a sanitizer defines of them would not go together with these.
+// All forms of new and delete: forms from the C++ library or a sanitizer would not match these.
 void* operator new(std::size_t size) {
   return or_throw(taken(size));
 }

@@ -1,5 +1,5 @@
-// How much memory this program holds, and at most held: what it asked `new` for. What libraries of C (libpng,
-// libjpeg, zlib) ask malloc() for is not counted; the limits of `./do fuzz` are on all.
+// Current and peak memory that this program allocated with `new`. malloc() in C libraries (libpng, libjpeg,
+// zlib) is not counted; the limits of `./do fuzz` include it.
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 PAGE_FILE = os.path.join(HERE, "..", "..", "docs", "fuzzing.md")
 BUILD = os.path.abspath(os.environ.get("FASCICLE_FUZZ_BUILD", "build/fuzz"))
 
-# Of each target what it reads, for the table.
+# {target: what it reads}, for the table.
 TARGETS = {
     "medit": "MEDIT `.mesh`", "tetgen": "TetGen `.node` and `.ele`", "gmsh": "Gmsh `.msh`", "vtu": "VTK `.vtu`",
     "off": "`.off`", "obj": "`.obj`", "ply": "`.ply`", "stl": "`.stl`",
@@ -30,12 +30,12 @@ TARGETS = {
     "record": "a job's record", "batch": "`batch.json`", "body": "a kept body", "report": "a kept model's report",
     "message": "messages to the studio", "session": "the studio's `session.json`",
 }
-# Longer files are the business of test_fuzz, which grows seeds to a mebibyte: the fuzzer is fast with short ones.
+# test_fuzz reads long files, by growing seeds to a mebibyte; the fuzzer is faster with short ones.
 MOST_BYTES = {"message": 4096, "set": 4096}
 MOST_BYTES_OF_OTHERS = 65536
 MOST_MEBIBYTES, MOST_SECONDS = 512, 10
-# Its bookkeeping of rare features takes most of the time of a reader with many: without it gltf reads 2.5 times as many
-# files a second, and comes as far in a minute.
+# The entropic schedule tracks rare features, which takes most of the time for a reader with many. Without it gltf reads
+# 2.5 times as many files per second, and reaches as much code in a minute.
 SCHEDULE = ("-entropic=0",)
 CONTROL, RUNS_OF_CONTROL = "planted", 2000000
 
@@ -66,8 +66,8 @@ and `test_fuzz` reads it in every build.
 
 
 def environment(temporary):
-    # What was freed last is held for a while to find uses of it: less than the sanitizer's own default, which is half
-    # of the memory that a target may take.
+    # The quarantine holds freed memory to detect later uses. The sanitizer's default is half of the memory that a
+    # target may take.
     asan = "quarantine_size_mb=32:detect_leaks=1:allocator_may_return_null=0"
     return {**os.environ, "TMPDIR": temporary, "ASAN_OPTIONS": asan, "UBSAN_OPTIONS": "print_stacktrace=1"}
 
@@ -84,7 +84,7 @@ def last(pattern, text, otherwise=0):
 
 
 def run(target, asked, temporary):
-    """(target, files, seconds, MiB, slowest s, flaws) of one target."""
+    """(target, files, seconds, peak MiB, slowest file in s, flaws) of one target."""
     corpus = os.path.join(BUILD, "corpus", target)
     os.makedirs(corpus, exist_ok=True)
     begin_with = [folder for folder in (os.path.join(BUILD, "seeds", target), os.path.join(HERE, "kept", target))
@@ -113,7 +113,7 @@ def run(target, asked, temporary):
 
 
 def control_is_found(temporary):
-    """The control's two flaws: one on a file that has it, one by search."""
+    """Controls: the planted reader's flaws are found, one in a given file, one by fuzzing."""
     with tempfile.NamedTemporaryFile(dir=temporary) as file:
         file.write(b"bone")
         file.flush()
@@ -165,7 +165,7 @@ def main():
     asked = parser.parse_args()
     for folder in ("found", "logs"):
         os.makedirs(os.path.join(BUILD, folder), exist_ok=True)
-    # Readers of paths read one file again and again: in memory, where there is such a place.
+    # In memory if possible: readers of paths write and read a file for every input.
     temporary = tempfile.mkdtemp(prefix="fascicle-fuzz-", dir="/dev/shm" if os.path.isdir("/dev/shm") else None)
     try:
         shutil.rmtree(os.path.join(BUILD, "seeds"), ignore_errors=True)

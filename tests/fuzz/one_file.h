@@ -1,4 +1,4 @@
-// For readers that take a path: a file of one name, written anew for each reading.
+// A file for readers that take a path; rewritten for each input.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ class OneFile {
   const std::filesystem::path& path() const { return path_; }
   // Throws std::runtime_error.
   void write(std::string_view bytes) const;
-  // Another one, which stays as it is.
+  // A second file in the folder.
   void write_beside(const std::string& name, std::string_view bytes) const;
 
  private:

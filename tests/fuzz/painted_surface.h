@@ -1,4 +1,4 @@
-// The mesh that paint files are read for.
+// The mesh that paint files refer to.
 #pragma once
 
 #include "host/mesh/mesh.h"

@@ -5,7 +5,7 @@
 namespace fascicle::fuzz {
 
 bool planted(std::string_view bytes) {
-  // Letter by letter, as the fuzzer finds them.
+  // Compares letter by letter, so that coverage guides the fuzzer.
   const std::string_view bone = "bone", fat = "fat";
   std::size_t of_bone = 0, of_fat = 0;
   while (of_bone < bone.size() && of_bone < bytes.size() && bytes[of_bone] == bone[of_bone]) ++of_bone;

@@ -18,7 +18,8 @@ namespace {
 
 using base::BakeError;
 
-// The first records' checksums too; a file has as many as its size allows, and a few are as good as all.
+// With correct checksums of the header and the first records. Only a few records: more would test nothing
+// new.
 std::string sealed_frames(std::string_view bytes) {
   std::string whole(bytes);
   seal(whole, 0, bake::cache_header_bytes - 8);
@@ -31,7 +32,7 @@ std::string sealed_frames(std::string_view bytes) {
   return whole;
 }
 
-// The bytes of a start before its checkpoint (host/bake/kept_start.cpp).
+// The size of a kept start's header, before its checkpoint (host/bake/kept_start.cpp).
 constexpr std::size_t start_head_bytes = 40;
 
 bool frames_as_they_are(const OneFile& file, std::string_view bytes) {

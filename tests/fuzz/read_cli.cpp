@@ -23,7 +23,7 @@ bool metrics(std::string_view bytes) {
 bool record(std::string_view bytes) {
   static const OneFile file("job.json");
   static const bool is_linked = [] {
-    // Records lie in a folder of their own.
+    // Records are in a subfolder.
     const std::filesystem::path path = cli::job_record_file(file.folder(), "job");
     std::filesystem::create_directory_symlink(file.folder(), path.parent_path());
     return true;

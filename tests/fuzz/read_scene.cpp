@@ -13,7 +13,7 @@
 namespace fascicle::fuzz {
 
 bool scene(std::string_view bytes) {
-  // What it finds beside it.
+  // A mesh and a character that scene files can refer to.
   static const OneFile beside("tetrahedron.off");
   static const bool is_written = [] {
     beside.write("OFF 4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");

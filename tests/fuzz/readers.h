@@ -1,5 +1,4 @@
-// Every reader of files from strangers as a function of bytes, for clang's fuzzer and for tests that replay
-// what it found.
+// Every reader of untrusted files as a function of bytes, for libFuzzer and for tests that replay its finds.
 #pragma once
 
 #include <functional>
@@ -10,8 +9,8 @@
 
 namespace fascicle::fuzz {
 
-// Each gives the bytes to its reader. True: they were taken; false: refused by the reader's documented error,
-// with one line that says why. Whatever else is thrown leaves the function: it is a flaw of the reader.
+// Each passes the bytes to its reader. True: accepted; false: refused with the reader's documented exception
+// and a one-line message. Any other exception propagates: it is a flaw of the reader.
 bool medit(std::string_view bytes);
 bool tetgen(std::string_view bytes);  // the .node file, a zero byte, the .ele file
 bool gmsh(std::string_view bytes);
@@ -20,29 +19,29 @@ bool off(std::string_view bytes);
 bool obj(std::string_view bytes);
 bool ply(std::string_view bytes);
 bool stl(std::string_view bytes);
-bool gltf(std::string_view bytes);     // .glb or .gltf: character, rig, looks, and the document to hand on
-bool picture(std::string_view bytes);  // of a texture: PNG or JPEG
+bool gltf(std::string_view bytes);  // .glb or .gltf: character, rig, looks, and the document for output files
+bool picture(std::string_view bytes);  // a texture: PNG or JPEG
 bool scene(std::string_view bytes);
-bool set(std::string_view bytes);   // what --set takes
-bool jobs(std::string_view bytes);  // of `fascicle batch`
+bool set(std::string_view bytes);   // a value of --set
+bool jobs(std::string_view bytes);  // a job list of `fascicle batch`
 bool paint(std::string_view bytes);
-// What this program wrote. Where there is a checksum, the bytes are read twice: as they are, and with the
-// checksum that they should have, so that what lies behind it is read too.
+// Our own formats. Those with a checksum are read twice, as they are and with a corrected checksum, so that
+// the fuzzer gets past it.
 bool frames(std::string_view bytes);
 bool model(std::string_view bytes);
 bool checkpoint(std::string_view bytes);
-bool start(std::string_view bytes);  // of a bake, in the cache
+bool start(std::string_view bytes);  // a bake's start, in the cache
 bool manifest(std::string_view bytes);
 bool metrics(std::string_view bytes);  // metrics.csv
-bool record(std::string_view bytes);   // of a job
+bool record(std::string_view bytes);   // a job's record
 bool batch(std::string_view bytes);    // batch.json
-bool body(std::string_view bytes);     // in the cache
-bool report(std::string_view bytes);   // of a kept model, in the cache
-// The studio's.
+bool body(std::string_view bytes);     // a built body, in the cache
+bool report(std::string_view bytes);   // of a model in the cache
+// Messages to the studio, and its session file.
 bool message(std::string_view bytes);
 bool session(std::string_view bytes);
-// The control: reads past its bytes where they begin with "bone", and throws what it does not say where they
-// begin with "fat".
+// The control: reads past its end if the bytes begin with "bone", and throws an undocumented exception if
+// they begin with "fat".
 bool planted(std::string_view bytes);
 
 struct Reader {
@@ -52,7 +51,7 @@ struct Reader {
 // All but the control.
 std::vector<Reader> readers();
 
-// Files that each reader takes, made here: what the fuzzer begins with.
+// Valid files for each reader, generated here, from which the fuzzer starts.
 struct Seed {
   std::string reader, name, bytes;
 };

@@ -1,5 +1,5 @@
-// The readers against seeds, against what the fuzzer once found, and against both damaged and grown by a
-// fixed rule: a short form of `./do fuzz` that any compiler builds.
+// Feeds the readers seeds and earlier finds of the fuzzer, also damaged and grown by fixed rules: a short
+// form of `./do fuzz` that any compiler builds.
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -23,7 +23,7 @@ namespace {
 using fuzz::Reader;
 using fuzz::Seed;
 
-// Files that the fuzzer found, in a folder a reader: their names say what was wrong.
+// Files that the fuzzer found, in one folder per reader; their names say what was wrong.
 std::vector<Seed> kept() {
   std::vector<Seed> all;
   const std::filesystem::path folder = std::filesystem::path(FASCICLE_SOURCE_DIR) / "tests/fuzz/kept";
@@ -70,7 +70,7 @@ std::string damaged(std::string bytes, std::mt19937_64& random) {
   return bytes;
 }
 
-// What leaves the reader where nothing should; empty where it does as it says.
+// The undocumented exception that leaves the reader; empty if there is none.
 std::string flaw_of(bool (*read)(std::string_view), std::string_view bytes) {
   try {
     (void)read(bytes);
@@ -113,7 +113,7 @@ TEST(Readers, RefuseWhatOnceHarmedThem) {
   for (const Seed& seed : kept()) {
     const auto all = fuzz::readers();
     EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const Reader& r) { return r.name == seed.reader; }))
-        << "no reader is called " << seed.reader;
+        << "unknown reader " << seed.reader;
   }
 }
 
@@ -124,8 +124,8 @@ TEST(Readers, TakeOrRefuseDamagedFiles) {
   });
 }
 
-// A slice of the file again and again, up to a mebibyte: what takes time or memory by the square of a file's
-// size shows itself. The bounds are those of docs/fuzzing.md, here on what `new` gave alone.
+// Repeats a slice of the file up to a mebibyte, to expose time or memory that is quadratic in the file size.
+// The bounds are those of docs/fuzzing.md, here for memory from `new` only.
 TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
   constexpr std::size_t most_bytes = std::size_t{1} << 20, most_memory = std::size_t{512} << 20;
   std::mt19937_64 random(20170523);
@@ -141,7 +141,7 @@ TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
       fuzz::mark_held();
       const std::clock_t begin = std::clock();
       EXPECT_EQ(flaw_of(reader.read, grown), "") << seed.reader << '/' << seed.name;
-      // Of the processor: other programs take what time they like.
+      // CPU time, so that other programs do not count.
       EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 10)
           << seed.reader << '/' << seed.name << " with " << slice << " again and again";
       EXPECT_LT(fuzz::most_held_since_mark(), most_memory) << seed.reader << '/' << seed.name;
@@ -149,25 +149,25 @@ TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
   });
 }
 
-// The control: a reader that throws what it does not say is found.
+// The control: a reader with an undocumented exception is detected.
 TEST(Readers, APlantedFlawIsFound) {
   std::mt19937_64 random(1);
   EXPECT_EQ(first_flaw(fuzz::planted, "fas of the bone", 100'000, random), "planted");
-  // And so is memory.
+  // So is memory.
   fuzz::mark_held();
   const std::size_t before = fuzz::most_held_since_mark();
   { const std::vector<char> large(std::size_t{1} << 22); }
   EXPECT_GE(fuzz::most_held_since_mark(), before + (std::size_t{1} << 22));
 }
 
-// A compiler may leave out what it sees is never used.
+// Stops the compiler from optimising an allocation away.
 template <class T>
 T* seen(T* memory) {
   T* volatile kept = memory;
   return kept;
 }
 
-// A reader must meet no form of `new` that is not counted, nor one that a sanitizer defines beside ours.
+// Every form of `new` must be counted, even if a sanitizer defines its own.
 TEST(CountedMemory, IsThatOfAllFormsOfNew) {
   constexpr std::size_t size = std::size_t{1} << 22;
   struct alignas(64) Aligned {
@@ -179,7 +179,7 @@ TEST(CountedMemory, IsThatOfAllFormsOfNew) {
     use();
     const std::size_t rise = fuzz::most_held_since_mark() - before;
     fuzz::mark_held();
-    EXPECT_EQ(fuzz::most_held_since_mark(), before) << "it was not given back";
+    EXPECT_EQ(fuzz::most_held_since_mark(), before) << "memory was not freed";
     return rise;
   };
   using Bytes = std::array<char, size>;
@@ -191,7 +191,7 @@ TEST(CountedMemory, IsThatOfAllFormsOfNew) {
   EXPECT_GE(rise_of([] { delete[] seen(new Aligned[2]); }), 2 * size);
   EXPECT_GE(rise_of([] { delete seen(new (std::nothrow) Aligned); }), size);
   EXPECT_GE(rise_of([] { delete[] seen(new (std::nothrow) Aligned[2]); }), 2 * size);
-  // Which takes a buffer by the third form and gives it back by the first one's `delete`.
+  // It allocates its buffer with nothrow new and frees it with plain delete.
   std::vector<int> numbers(size / sizeof(int));
   std::iota(numbers.rbegin(), numbers.rend(), 0);
   EXPECT_GE(rise_of([&] { std::stable_sort(numbers.begin(), numbers.end()); }), size / 2);

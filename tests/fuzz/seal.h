@@ -1,4 +1,4 @@
-// The checksums of our own files, for bytes that a fuzzer has changed.
+// Corrects the checksums of our own file formats after a fuzzer changed the bytes.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 
 namespace fascicle::fuzz {
 
-// With the XXH3-64 of [begin, end) in the 8 bytes that follow; as they are where they end before.
+// Writes the XXH3-64 of [begin, end) into the 8 bytes after it. Does nothing if the bytes end before that.
 void seal(std::string& bytes, std::size_t begin, std::size_t end);
-// The last 8 bytes of all, over those from `begin` on.
+// Corrects the last 8 bytes, the checksum of all bytes before them from `begin` on.
 std::string sealed(std::string_view bytes, std::size_t begin = 0);
 
 }  // namespace fascicle::fuzz

@@ -1,4 +1,4 @@
-// The parts of seeds(), by the room of their readers.
+// The parts of seeds(), one per room.
 #pragma once
 
 #include <vector>

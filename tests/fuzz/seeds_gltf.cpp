@@ -15,7 +15,7 @@ std::string text_of(const std::vector<unsigned char>& bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-// With a painted attribute, a material and a texture.
+// A column with a painted attribute, a material and a texture.
 GltfBuilder painted_column() {
   GltfBuilder b = tests::column_with_shapes();
   nlohmann::json& primitive = b.document["meshes"][0]["primitives"][0];

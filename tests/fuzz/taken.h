@@ -1,4 +1,4 @@
-// Whether a reader takes its bytes or refuses them as it says it would.
+// Whether a reader accepts its bytes or refuses them as documented.
 #pragma once
 
 #include <stdexcept>
@@ -6,13 +6,13 @@
 
 namespace fascicle::fuzz {
 
-// A refusal is one line of some words.
+// A refusal has a message of one line.
 inline void check_message(const std::string& what) {
   if (what.empty()) throw std::logic_error("refused without a word");
   if (what.find('\n') != std::string::npos) throw std::logic_error("refused in more than one line: " + what);
 }
 
-// False where `read` throws one of Errors; all else that it throws goes on.
+// False if `read` throws one of Errors; other exceptions propagate.
 template <class Error, class... More, class Read>
 bool is_taken(const Read& read) {
   try {

@@ -1,4 +1,4 @@
-// What clang's fuzzer calls: one program a reader, which FASCICLE_FUZZ_READER names.
+// libFuzzer's entry point; one program per reader, which FASCICLE_FUZZ_READER names.
 #include <cstddef>
 #include <cstdint>
 

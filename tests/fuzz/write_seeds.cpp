@@ -1,4 +1,4 @@
-// fuzz_seeds FOLDER: writes the seeds, a folder a reader.
+// fuzz_seeds FOLDER: writes the seeds, one folder per reader.
 #include <exception>
 #include <filesystem>
 #include <fstream>

@@ -1,10 +1,10 @@
-"""Small faults planted in the sources, one at a time: do the tests find them?
+"""Mutation testing: plants small faults in the sources, one at a time, and checks that the tests find them.
 
-mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into build/mutants, builds it there, plants a
-fault at random, builds and runs the tests of its room until one fails. Before that the tests run over the sources as
-they are: they must pass, or every fault would seem to be found. Prints what lives as a table, or writes it into
-docs/tests.md; living.txt says why some may. --in-place plants in this tree and builds in its build/release, which a
-clone made for that has at hand. FASCICLE_SEED repeats a choice."""
+mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into build/mutants and builds it there. Plants
+a random fault, then builds and runs the tests of its room until one fails. Before that, the tests must pass on the
+unchanged sources, or every fault would seem to be found. Prints the surviving faults as a table, or writes it into
+docs/tests.md; living.txt says why some may survive. --in-place plants in this tree and builds in its build/release, for
+a clone made for this purpose. FASCICLE_SEED repeats a run."""
 
 import argparse
 import glob
@@ -19,7 +19,7 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(os.path.dirname(HERE), "tested"))
-import page  # noqa: E402: it lies beside
+import page  # noqa: E402: it is in a sibling folder
 
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 SHARED = "/dev/shm"
@@ -28,11 +28,11 @@ TREE, BUILD = os.path.join(WORK, "tree"), os.path.join(WORK, "build")
 
 HASHES = ("test_exactness",
           "--gtest_filter=All/ExpectedHashes.*bar*:All/ExpectedHashes.*arm*:All/ExpectedHashes.*drop*")
-# What takes most of the time of test_build, and finds what the others have not.
+# The slowest tests of test_build; they run last.
 SLOW = ":".join(("Caps.*", "Assets.*", "Cage.*", "Jaws.*", "Tetrahedralize.*", "Legs.*", "LowestMode.*", "OnlyWarning.*",
                  "RigidParts.*", "Muscles.*"))
 BUILD_TESTS = (("test_build", "--gtest_filter=-" + SLOW), ("test_build", "--gtest_filter=" + SLOW))
-# Room: its sources, and the tests that answer for it, quickest first.
+# {room: (sources, tests that cover them, fastest first)}
 ROOMS = {
     "kernel": (("shaders/kernel/*.inc",), (("test_cpu_reference",), HASHES)),
     "solver": (("cpu_reference/solver/*.cpp", "cpu_reference/solver/*.inc"), (("test_cpu_reference",), HASHES)),
@@ -47,19 +47,19 @@ ROOMS = {
                 "host/bake/folder.cpp", "host/bake/verify.cpp"),
                (("test_bake",), ("test_fuzz",), ("test_cli", "--gtest_filter=Bake.*:DamagedBakes.*:Batch.*:LinkedOutputs.*"))),
 }
-# What stands in a line, and what takes its place.
+# (pattern in a line, replacement).
 SWAPS = ((r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "), (r" == ", " != "), (r" != ", " == "),
          (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" / ", " * "), (r" && ", " || "), (r" \|\| ", " && "),
          (r"\btrue\b", "false"), (r"\bfalse\b", "true"), (r"std::min\b", "std::max"), (r"std::max\b", "std::min"),
          (r"\+\+", "--"), (r" \+= ", " -= "), (r" -= ", " += "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
          (r"\b0\b(?!\.)", "1"), (r"\b1\b(?!\.)", "2"), (r"\b0\.5\b", "0.25"), (r"\b2\.0\b", "3.0"), (r"\(!", "("))
-# A whole statement that is left out: an assignment, or a call for what it does.
+# A statement that can be left out: an assignment, or a call for its side effects.
 STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
-# What a test starts, beside its own program.
+# Programs that a test starts.
 STARTED = {"test_cli": ("fascicle", "fascicle-mesher"), "test_pipeline": ("fascicle-mesher",)}
-LEAST = 0.9  # of the faults, found
+LEAST = 0.9  # share of faults that must be found
 UNKNOWN = "not looked at"
-PATIENCE = 600  # s, for the tests of one room; what runs longer has been made endless
+PATIENCE = 600  # s for the tests of one room; a longer run counts as an endless loop
 
 def fail(text):
     print("mutants: " + text, file=sys.stderr)
@@ -67,7 +67,7 @@ def fail(text):
 
 
 def prepare(in_place):
-    """The tree as git knows it, and a build of it; what was built before is kept."""
+    """A copy of the files that git knows or does not ignore, and a build of it. An earlier build is reused."""
     global TREE, BUILD
     if in_place:
         if subprocess.run(["git", "status", "--porcelain", "-uno"], cwd=SOURCE, capture_output=True).stdout:
@@ -84,7 +84,7 @@ def prepare(in_place):
         with open(source, "rb") as file:
             content = file.read()
         if name == "CMakeLists.txt":
-            content = content.replace(b" -Werror", b"")  # a variable that a fault leaves unused is no finding
+            content = content.replace(b" -Werror", b"")  # a fault may leave a variable unused
         if os.path.exists(copy):
             with open(copy, "rb") as file:
                 if file.read() == content:
@@ -107,7 +107,7 @@ class DoesNotBuild(Exception):
 
 
 def first_that_fails(tests, temporary):
-    """The test that finds something wrong; None where all pass. Each is built when it is its turn."""
+    """The name of the first failing test; None if all pass. Builds each test just before it runs."""
     for test in tests:
         if not built([test[0], *STARTED.get(test[0], ())]):
             raise DoesNotBuild
@@ -128,7 +128,7 @@ def first_that_fails(tests, temporary):
 
 
 def places(patterns):
-    """Every (file, line, what it becomes) where a fault can be planted."""
+    """Every (file, line, mutated line) where a fault can be planted."""
     found = []
     for pattern in patterns:
         for path in sorted(glob.glob(os.path.join(SOURCE, pattern))):
@@ -148,7 +148,7 @@ def places(patterns):
 
 
 def reasons():
-    """{(file, line as it is, line as it was made): why it may live}"""
+    """{(file, original line, mutated line): why it may survive}"""
     with open(os.path.join(HERE, "living.txt")) as file:
         rows = [line.rstrip("\n").split("\t") for line in file if line.strip() and not line.startswith("#")]
     for row in rows:
@@ -158,7 +158,7 @@ def reasons():
 
 
 def try_room(room, count, temporary):
-    """[(file, number, line, made of it, what found it)] of so many faults that compile."""
+    """[(file, line number, line, mutated line, test that found it)] of `count` faults that compile."""
     patterns, tests = ROOMS[room]
     try:
         wrong = first_that_fails(tests, temporary)
@@ -187,7 +187,7 @@ def try_room(room, count, temporary):
                 file.write("\n".join(rows))
             found = first_that_fails(tests, temporary)
         except DoesNotBuild:
-            continue  # the compiler found it
+            continue  # does not compile
         finally:
             with open(path, "w") as file:
                 file.write(whole)
@@ -211,7 +211,7 @@ def main():
     prepare(asked.in_place)
     status, ran = 0, {}
     for room in asked.room or ROOMS:
-        # In memory, where there is such a folder: tests wait for disks.
+        # In memory if possible: tests wait for disks.
         with tempfile.TemporaryDirectory(prefix="fascicle-mutants-", dir=SHARED if os.path.isdir(SHARED) else None,
                                          ignore_cleanup_errors=True) as temporary:
             tried = try_room(room, asked.count, temporary)
@@ -226,7 +226,7 @@ def main():
             if row[-1] == UNKNOWN:
                 print("mutants: %s: nobody has said why it lives (living.txt)" % row[0])
                 status = 1
-    # Rooms that did not run keep their figures.
+    # Rooms that did not run keep their earlier figures.
     figures = {"rooms": {**page.kept("mutants").get("rooms", {}), **ran}}
     print("seed %d\n%s" % (seed, page.mutants_text({**figures, "about": ""})))
     if asked.write:

@@ -1,8 +1,8 @@
-"""Runs the suite over the preset `coverage`, and counts which lines and branches of the rooms it reaches.
+"""Runs the test suite with preset `coverage`, and counts which lines and branches of the rooms it reaches.
 
-coverage.py [--write] [--missed] [--again] [CTEST ARGUMENTS...]: build/coverage holds the build. First a program of
-which one function never runs must be counted so. --write: into docs/tests.md. --missed: also the files with the most
-lines that never ran. --again: no test runs; counted is what the last run left."""
+coverage.py [--write] [--missed] [--again] [CTEST ARGUMENTS...]: build/coverage holds the build. First, a control
+program must have its uncalled function reported as missed. --write: into docs/tests.md. --missed: also lists the files
+with the most lines that never ran. --again: runs no tests and counts the last run."""
 
 import argparse
 import collections
@@ -19,7 +19,7 @@ import suite
 PRESET = "coverage"
 BUILD = os.path.join(page.ROOT, "build", PRESET)
 ROOMS = ("host/", "cpu_reference/", "gpu/")
-LEAST = 0.9  # of the lines
+LEAST = 0.9  # share of lines
 PLANTED = """int reached(int a) { return a; }
 int missed(int a)
 {
@@ -31,7 +31,7 @@ int main(int argc, char**) { return argc > 99 ? missed(argc) : reached(0); }
 
 
 def read(root, build, rooms):
-    """[(file, lines, run, branches, taken)] as gcovr counts them."""
+    """[(file, lines, lines run, branches, branches taken)] as gcovr counts them."""
     with tempfile.TemporaryDirectory() as folder:
         summary_file = os.path.join(folder, "summary.json")
         filters = [part for room in rooms for part in ("--filter", room)]
@@ -39,7 +39,8 @@ def read(root, build, rooms):
                         "--exclude-throw-branches", "--gcov-ignore-parse-errors", "-j", str(os.cpu_count()),
                         "--json-summary", summary_file, build], check=False, cwd=root, stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, text=True)
-        # It warns of each embedded shader, whose source is made in the build folder, in dozens of lines.
+        # Its stderr is captured because it prints dozens of lines of warnings for each shader source generated in the
+        # build folder.
         if done.returncode != 0:
             sys.exit("coverage: gcovr ended with %d: %s" % (done.returncode, done.stderr))
         with open(summary_file) as file:
@@ -49,7 +50,7 @@ def read(root, build, rooms):
 
 
 def control():
-    """Of the planted program's five lines the three of the function that nobody calls must be missed."""
+    """Of the five lines of PLANTED, the three of the uncalled function must be counted as missed."""
     with tempfile.TemporaryDirectory(prefix="fascicle-coverage-") as folder:
         with open(os.path.join(folder, "planted.cpp"), "w") as file:
             file.write(PLANTED)

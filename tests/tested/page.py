@@ -1,4 +1,4 @@
-"""docs/tests.md: what the tests are worth. Each command brings its own figures and leaves the others' as they are."""
+"""docs/tests.md: the quality of the tests. Each command updates its own figures and keeps the others."""
 
 import json
 import os
@@ -81,14 +81,14 @@ TEXTS = {"sanitizers": sanitizers_text, "coverage": coverage_text, "mutants": mu
 
 
 def about():
-    """Of which commit and machine figures are: a line for below a table."""
+    """The commit and machine of the figures, as a line below a table."""
     commit = subprocess.run(["git", "log", "-1", "--format=%h of %as"], cwd=ROOT, capture_output=True, text=True,
                             check=True).stdout.strip()
     return "Commit %s, %d cores.\n" % (commit, os.cpu_count())
 
 
 def kept(section):
-    """The section's figures of the last time; none where there was no such time."""
+    """The section's last figures; empty if there are none."""
     return all_kept().get(section, {})
 
 
@@ -100,7 +100,7 @@ def all_kept():
 
 
 def put(section, figures):
-    """Replaces the section's figures, and writes the page anew."""
+    """Replaces the section's figures and rewrites the page."""
     sections = all_kept()
     sections[section] = {**figures, "about": about()}
     write(sections)
@@ -114,5 +114,5 @@ def write(sections):
         os.rename(path + ".new", path)
 
 
-if __name__ == "__main__":  # the same figures in the words above
+if __name__ == "__main__":  # rewrites the page from the stored figures
     write(all_kept())

@@ -1,7 +1,7 @@
-"""Runs the suite of a build with sanitizers, and counts their reports, of every process that a test starts.
+"""Runs the test suite of a build with sanitizers, and counts the reports of every process that a test starts.
 
-sanitize.py PRESET [--write] [CTEST ARGUMENTS...]: build/PRESET holds the build. First a program with a planted flaw of
-each kind, compiled alike, must be reported. --write: into docs/tests.md."""
+sanitize.py PRESET [--write] [CTEST ARGUMENTS...]: build/PRESET holds the build. First, control programs with one
+planted flaw each, compiled in the same way, must be reported. --write: into docs/tests.md."""
 
 import os
 import re
@@ -15,7 +15,7 @@ import page
 import suite
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-# What is planted: a word of the report, and the body of main().
+# {preset: {text in the report: body of main()}} of the planted flaws.
 PLANTED = {
     "asan": {"heap-buffer-overflow": "auto* a = new volatile char[8]; char c = a[8 + argc]; delete[] a; return c;",
              "heap-use-after-free": "auto* a = new volatile char[8]; delete[] a; return a[argc];",
@@ -27,8 +27,8 @@ FLAGS = {"asan": "address,undefined", "tsan": "thread"}
 
 
 def environment(preset, log):
-    """Reports go to files LOG.PROCESS. Undefined behaviour, whose library writes none beside the address sanitizer's,
-    aborts, which no test expects."""
+    """Reports go to files LOG.PID. The undefined behaviour sanitizer writes no such file next to the address sanitizer,
+    so it aborts instead, which no test expects."""
     suppressions = os.path.join(HERE, preset + "-suppressions.txt")
     options = "log_path=%s" % log
     made = {**os.environ}
@@ -42,7 +42,7 @@ def environment(preset, log):
 
 
 def reports_in(folder):
-    """{first line that says what: how often}"""
+    """{first descriptive line: how often} of the reports."""
     found = {}
     for name in sorted(os.listdir(folder)):
         with open(os.path.join(folder, name), errors="replace") as file:
@@ -54,7 +54,7 @@ def reports_in(folder):
 
 
 def control(preset, temporary):
-    """Every planted flaw must be reported."""
+    """Each planted flaw must be reported."""
     for word, body in PLANTED[preset].items():
         source, program = os.path.join(temporary, "planted.cpp"), os.path.join(temporary, "planted")
         with open(source, "w") as file:
@@ -73,7 +73,7 @@ def control(preset, temporary):
 
 
 def hold_instrumented(preset):
-    """A build without the sanitizer would report nothing."""
+    """Fails if the build has no sanitizer: it would report nothing."""
     word = {"asan": b"__asan_report_load8", "tsan": b"__tsan_read8"}[preset]
     for name in ("fascicle", "test_bake"):
         with open(os.path.join(page.ROOT, "build", preset, name), "rb") as file:

@@ -1,4 +1,4 @@
-"""Runs the suite of a preset's build by ctest, and counts what came of it."""
+"""Runs a preset's test suite with ctest, and counts the results."""
 
 import os
 import re
@@ -10,14 +10,14 @@ import page
 
 
 def counts(results):
-    """{"tests", "failures", "skipped": how many} of the JUnit file that ctest has written."""
+    """{"tests", "failures", "skipped": counts} from ctest's JUnit file."""
     with open(results, errors="replace") as file:
         head = re.search(r"<testsuite[^>]*>", file.read(), re.DOTALL).group()
     return {key: int(re.search(r'\b%s="(\d+)"' % key, head).group(1)) for key in ("tests", "failures", "skipped")}
 
 
 def run(preset, arguments, environment=None):
-    """The counts, and "seconds". What takes a second takes ten here, so a test has long."""
+    """The counts, and "seconds". Tests run about ten times slower here, so their timeout is long."""
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="fascicle-suite-") as folder:
         results = os.path.join(folder, "results.xml")
@@ -28,5 +28,5 @@ def run(preset, arguments, environment=None):
 
 
 def which(arguments):
-    """The tests that ran, for a table's cell, which a bar would end."""
+    """The tests that ran, for a table cell, in which `|` must be escaped."""
     return "`ctest %s`" % " ".join(arguments).replace("|", "\\|") if arguments else "all"
