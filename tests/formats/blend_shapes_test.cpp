@@ -1,4 +1,4 @@
-// What the blend shapes of a file do to a baked surface, against what a viewer shows of the file.
+// The effect of a file's blend shapes on a baked surface, compared with what a viewer shows of the file.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 
 constexpr double fps = 8.0;
 
-// The file's character as it goes into a bake's folder.
+// The file's character, as a bake stores it in its folder.
 struct Baked {
   TemporaryFolder folder;
   scene::Scene scene;
@@ -54,7 +54,7 @@ struct Baked {
   }
 };
 
-// The surface that skinning alone makes of the bind pose, which has the shapes at rest: flesh without flesh.
+// The bind pose, with the shapes at their rest weights, after skinning: a baked surface without dynamics.
 std::vector<float> skinned(const Baked& baked, std::uint64_t frame) {
   const auto& of = std::get<rig::Character>(baked.scene.geometry);
   const auto pose = rig::pose_at(of, &of.clips.front(), baked.scene.start + static_cast<double>(frame) / fps);
@@ -96,7 +96,7 @@ TEST_P(BlendShapes, move_the_surface_as_a_viewer_shows_the_file) {
     const std::vector<Vector3d> shown = viewer.shown(0, 0.25 + static_cast<double>(frame) / fps);
     most = std::max(most, distance(surface, baked.model.unit, shown, scale));
     shapes.add_to(frame, surface);
-    // Surface, matrices and the clip's keys in character.glb are floats of about 2.
+    // The surface, the matrices and the keys in character.glb are floats of about 2.
     EXPECT_LT(distance(surface, baked.model.unit, shown, scale), 2e-6 * scale) << frame;
     EXPECT_LT(distance(compared.positions(frame), 1.0, shown, scale), 2e-6 * scale) << frame;
   }
@@ -123,7 +123,7 @@ TEST(BlendShapesOf, a_still_vertex_keeps_its_bits) {
   shapes.add_to(4, after);
   std::size_t same = 0;
   for (std::size_t i = 0; i < after.size(); ++i) same += before[i] == after[i] ? 1 : 0;
-  EXPECT_GE(same, 3u * 8u);  // four of twelve vertices are moved
+  EXPECT_GE(same, 3u * 8u);  // the shapes move four of twelve vertices
   EXPECT_LT(same, after.size());
 }
 

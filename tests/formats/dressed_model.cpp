@@ -17,7 +17,7 @@ namespace {
 
 constexpr double fps = 8.0;
 
-// The render vertices' own vertices.
+// The model vertex of each render vertex.
 constexpr std::array<std::uint32_t, 9> of_vertex{0, 1, 2, 0, 2, 3, 1, 4, 2};
 
 // Y up to Z up: (x, y, z) to (x, -z, y).
@@ -31,7 +31,7 @@ std::vector<float> raw(const std::vector<float>& values) {
 }  // namespace
 
 const std::vector<float> dressed_uvs{0, 0, 1, 0, 0, 0.25f, 0.5f, 0.5f, 0.5f, 1, 0.75f, 0};
-// The faces look along z, x and (1, 1, -1); the crease is the edge from vertex 0 to 2. One normal leans.
+// The faces point along z, x and (1, 1, -1); the crease is the edge from vertex 0 to 2. One normal is tilted.
 const std::vector<float> dressed_normals{0, 0, 1, 0.6f, 0, 0.8f, 0,    0, 1,    1,    0, 0,    1,   0,
                                          0, 1, 0, 0,    0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f};
 
@@ -89,12 +89,12 @@ void write_dressed(const std::filesystem::path& path) {
   document.json["nodes"] = {{{"name", "root"}},
                             {{"name", "Body.001"}, {"mesh", 0}, {"skin", 0}},
                             {{"name", "Body.001"}, {"mesh", 1}, {"skin", 0}}};
-  // Column by column: raw (x, -z, y) to (x, y, z).
+  // Column-major: raw (x, -z, y) to (x, y, z).
   const std::vector<float> inverse_bind{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
   document.json["skins"] = {
       {{"joints", {0}},
        {"inverseBindMatrices", formats::add_accessor(document, std::span<const float>(inverse_bind), 16)}}};
-  // A reader of our files does not decode it.
+  // Our readers do not decode images.
   const std::size_t image = formats::add_view(document, "no picture");
   document.json["images"] = {{{"bufferView", image}, {"mimeType", "image/png"}}};
   document.json["textures"] = {{{"source", 0}}};

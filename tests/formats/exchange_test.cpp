@@ -1,4 +1,4 @@
-// MDD, OBJ, USD and Alembic files, read back by readers that share nothing with what wrote them.
+// MDD, OBJ, USD and Alembic files, read back by readers that share no code with the writers.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -26,8 +26,7 @@
 #include "tests/support/readers.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// Both sanitizers' runtimes have it; the header that declares it is clang's, which a build with g++ need not
-// have.
+// Both sanitizer runtimes define it, but its header is clang's, which g++ may lack.
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
 #endif
 
@@ -36,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the folded sheet's render vertices are in frame k: exact in float.
+// Render vertices of the folded sheet in frame k; exact in float.
 std::vector<float> sheet_points(std::uint64_t k) {
   const double s = 0.5 * (1.0 + 0.25 * static_cast<double>(k));
   std::vector<float> points;
@@ -47,7 +46,7 @@ std::vector<float> sheet_points(std::uint64_t k) {
   return points;
 }
 
-// By hand: face normals (0, 0, 1) of area 1 and (0, 1, 0) of area 2; on the seam their sum.
+// Worked out by hand: face normals (0, 0, 1) of area 1 and (0, 1, 0) of area 2; on the seam their sum.
 std::vector<float> sheet_normals() {
   const auto part = [](double x) { return static_cast<float>(x / std::sqrt(5.0)); };
   std::vector<float> normals;
@@ -132,7 +131,7 @@ TEST(ObjSequence, HasTheMeshOfEachFrame) {
   EXPECT_FALSE(fs::exists(folder / "obj/frame_000003.obj"));
 }
 
-// Vectors published with the algorithm's reference implementations, seed 0.
+// Test vectors published with the algorithm's reference implementations, seed 0.
 TEST(Murmur3, KnownDigests) {
   using Digest = std::array<std::uint64_t, 2>;
   EXPECT_EQ(formats::murmur3_x64_128(""), (Digest{0, 0}));
@@ -156,12 +155,12 @@ TEST(Alembic, IsAPolyMeshWithEverySample) {
   const model::Model model = folded_sheet();
   write_frames(formats::format_named("abc").make(), model, folder / "");
   const std::string file = read_text(folder / "surface.abc");
-  // The estimate counts the headers roundly.
+  // The estimate only approximates the headers.
   EXPECT_NEAR(static_cast<double>(file.size()),
               static_cast<double>(formats::format_named("abc").bytes(model, 3)), 400);
   const OgawaArchive archive = read_ogawa(file);
   EXPECT_EQ(archive.form_version, 0);
-  EXPECT_GE(archive.alembic_version, 9999);  // the library refuses less
+  EXPECT_GE(archive.alembic_version, 9999);  // the library refuses lower versions
   EXPECT_NE(archive.metadata.find("_ai_Application=fascicle"), std::string::npos);
   EXPECT_NE(archive.metadata.find("_ai_DCC_FPS=8;"), std::string::npos);
   ASSERT_EQ(archive.samplings.size(), 2u);
@@ -209,13 +208,13 @@ TEST(Alembic, IsAPolyMeshWithEverySample) {
     for (std::size_t i = 0; i < 18; ++i) EXPECT_FLOAT_EQ(found[i], sheet_normals()[i]);
     EXPECT_EQ(values_of<double>(box.at(k)), (std::vector<double>{expected[0], expected[1], expected[2],
                                                                  expected[3], expected[7], expected[17]}));
-    // Clockwise from outside, which is Alembic's way round.
+    // Alembic winds faces clockwise, seen from outside.
     EXPECT_EQ(values_of<std::int32_t>(indices.at(k)), (std::vector<std::int32_t>{2, 1, 0, 4, 5, 3}));
     EXPECT_EQ(values_of<std::int32_t>(counts.at(k)), (std::vector<std::int32_t>{3, 3}));
   }
 }
 
-// A reader tells a single still frame by the property's header, and sizes by how many bytes they take.
+// Readers detect a single still frame by the property's header, and sizes by their byte length.
 TEST(Alembic, OneFrameAndManyFrames) {
   const model::Model model = two_tetrahedra();
   for (const std::uint64_t frames : {0u, 299u}) {
@@ -241,7 +240,7 @@ TEST(Alembic, OneFrameAndManyFrames) {
   }
 }
 
-// What a program prints on its standard output.
+// The standard output of a command.
 std::string output_of(const std::string& command) {
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return "";
@@ -309,7 +308,7 @@ TEST(SurfaceFormats, RefuseABodyWithoutSurface) {
   }
 }
 
-// Writes so many frames of a large surface; calls after each.
+// Writes `frames` frames of a large surface, with a callback after each.
 template <class AfterFrame>
 void write_large_frames(const formats::Format& format, const model::Model& model, std::uint64_t frames,
                         const TemporaryFolder& folder, const AfterFrame& after_frame) {
@@ -334,8 +333,8 @@ void write_large_frames(const formats::Format& format, const model::Model& model
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-// A sanitizer keeps freed memory aside, so that the process grows whatever is kept; but it knows what is
-// allocated. The most (bytes) that is so after any frame.
+// Sanitizers quarantine freed memory, so the process grows in any case; but they know how much is allocated.
+// Returns the most bytes allocated after any frame.
 std::uint64_t peak_memory(const formats::Format& format, const model::Model& model, std::uint64_t frames) {
   const TemporaryFolder folder;
   std::size_t most = 0;
@@ -346,7 +345,7 @@ std::uint64_t peak_memory(const formats::Format& format, const model::Model& mod
 
 #else
 
-// The most memory (bytes) of a process that writes the frames.
+// Peak memory in bytes of a process that writes the frames.
 std::uint64_t peak_memory(const formats::Format& format, const model::Model& model, std::uint64_t frames) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
@@ -380,8 +379,8 @@ TEST(SurfaceFormats, KeepNoFrameInMemory) {
   for (const formats::Format& format : bake::all_formats()) {
     if (format.name.empty() || format.name == "vtu") continue;
     const std::uint64_t low = peak_memory(format, model, few), high = peak_memory(format, model, many);
-    // Whoever kept the positions alone would need 12 bytes a vertex and frame more, 8 MiB; what is kept of a
-    // frame is under a kilobyte, and the allocator's rounding well under the rest.
+    // Keeping just the positions would take 12 more bytes per vertex and frame, 8 MiB. The actual state per
+    // frame is under a kilobyte, and rounding by the allocator is well under the rest.
     EXPECT_LT(high, low + (std::uint64_t{12} * vertices * (many - few)) / 3) << format.name;
   }
 }

@@ -1,4 +1,5 @@
-// The files of a bake, read back by code that shares nothing with what wrote them, against closed forms.
+// The files of a bake, read back by code that shares nothing with the writers, and compared with closed
+// forms.
 #include "host/formats/formats.h"
 
 #include <algorithm>
@@ -105,7 +106,7 @@ TEST(Pc2, HeaderAndEverySample) {
   EXPECT_EQ(bytes.size(), formats::format_named("pc2").bytes(model, 3));
   for (std::size_t k = 0; k < 3; ++k) {
     const double s = 0.5 * (1.0 + 0.25 * static_cast<double>(k));
-    // Render vertices in working units at rest, by hand from the weights; exact in float.
+    // Render vertices at rest in working units, by hand from the weights; exact in float.
     const double at[3][3] = {{0, 0, 0}, {0.25, 0.25, 0.25}, {0.625, 0.625, 0.75}};
     for (std::size_t v = 0; v < 3; ++v)
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -139,25 +140,25 @@ TEST(Metrics, AgainstClosedForms) {
     ASSERT_EQ(cells.size(), 14u);
     const auto cell = [&](std::size_t c) { return std::stod(cells[c]); };
     const double s = 1.0 + 0.25 * k;
-    // All inputs are small multiples of powers of two; what rounds are the division by 6 and by the rest
-    // volume, and the square root: a few times 2^-53 each.
+    // All inputs are small multiples of powers of two. Only the division by 6, the division by the rest
+    // volume and the square root round: a few times 2^-53 each.
     constexpr double few_ulps = 1e-15;
     EXPECT_EQ(cells[0], std::to_string(k));
     EXPECT_EQ(cell(1), 1.5 + k / 8.0);
-    // Masses 2, 3, 4 at distance 1 and 5 at squared distance 3; velocity k x, half a metre a unit.
+    // Masses 2, 3, 4 at distance 1 and 5 at squared distance 3; velocity k x, half a metre per unit.
     EXPECT_EQ(cell(2), 0.5 * (2 + 3 + 4 + 5 * 3) * k * k * 0.25);
     // Volumes 1/6 and 1/3 in cubic units of 1/8 m^3, times s^3.
     EXPECT_NEAR(cell(3), 0.5 / 8.0 * s * s * s, few_ulps);
     EXPECT_NEAR(cell(4), s * s * s, 10 * few_ulps);
-    // The far corner (1, 1, 1) moves by (s - 1) of it; the origin is that of frame 0.
+    // The far corner (1, 1, 1) moves by the factor s - 1; the origin is that of frame 0.
     EXPECT_NEAR(cell(5), 0.5 * (s - 1.0) * std::sqrt(3.0), few_ulps);
-    // Mean of (1, 0, 0) and (0, 0, 1).
     EXPECT_EQ(cells[6], "0");
-    // Of the bone there is one corner of four, of the larger tetrahedron.
+    // One corner of four of the larger tetrahedron is bone.
     EXPECT_NEAR(cell(7), 5.0 / 12.0 / 8.0 * s * s * s, few_ulps);
     EXPECT_NEAR(cell(8), s * s * s, 10 * few_ulps);
     EXPECT_NEAR(cell(9), 1.0 / 12.0 / 8.0 * s * s * s, few_ulps);
     EXPECT_NEAR(cell(10), s * s * s, 10 * few_ulps);
+    // The tip is the mean of (1, 0, 0) and (0, 0, 1).
     EXPECT_EQ(cell(11), 12.0 + 0.25 * s);
     EXPECT_EQ(cell(12), -1.0);
     EXPECT_EQ(cell(13), 4.0 + 0.25 * s);
@@ -165,7 +166,7 @@ TEST(Metrics, AgainstClosedForms) {
   EXPECT_FALSE(std::getline(in, line));
 }
 
-// A frame seen from another origin is the same place in the world.
+// A frame with another origin can be at the same place in the world.
 TEST(Metrics, DisplacementIsInTheWorld) {
   const TemporaryFolder folder;
   const model::Model model = two_tetrahedra();
@@ -192,8 +193,8 @@ TEST(Metrics, DisplacementIsInTheWorld) {
   EXPECT_EQ(split(last, ',')[5], "0");
 }
 
-// Two tetrahedra with a skeleton. Frame k's flesh stands k/4 units from its skinned place, and in frame 2 one
-// vertex of the flesh, in frame 1 one of the skin, lies on the far side of its tetrahedra's common face.
+// Two tetrahedra with a skeleton. In frame k the flesh is k/4 units from its skinned position. In frame 1 one
+// skinned vertex, and in frame 2 one vertex of the flesh, is on the wrong side of its tetrahedron's face.
 TEST(Metrics, LagAndInversionBesideSkinningAlone) {
   const TemporaryFolder folder;
   model::Model model = two_tetrahedra();
@@ -242,12 +243,12 @@ TEST(Metrics, LagAndInversionBesideSkinningAlone) {
   EXPECT_EQ(one[6], "0");
   EXPECT_EQ(one[7], "1") << "the tetrahedron of vertex 0";
   EXPECT_EQ(one[9], "0") << "kinematic vertices do not lag";
-  // Three free vertices lag by 1/4, vertex 0 is at (0, 1/4, 0) and its skin at (1, 1, 1); half a metre a
-  // unit.
+  // Three free vertices lag by 1/4. Vertex 0 is at (0, 1/4, 0), its skinned position at (1, 1, 1); half a
+  // metre per unit.
   EXPECT_NEAR(std::stod(one[8]), 0.5 * std::sqrt((3 * 0.0625 + 2 + 0.5625) / 4.0), 1e-12);
   EXPECT_EQ(two[6], "1");
   EXPECT_EQ(two[7], "0");
-  // Vertex 0 is at (2, 2, 2) in the flesh: 12 for it, 1/4 for each other.
+  // Vertex 0 of the flesh is at (2, 2, 2): it contributes 12, each other vertex 1/4.
   EXPECT_NEAR(std::stod(two[8]), 0.5 * std::sqrt((3 * 0.25 + 12) / 4.0), 1e-12);
   const auto peaks = bake::peak_lags(folder / "", model);
   ASSERT_EQ(peaks.size(), 1u);
@@ -265,7 +266,7 @@ TEST(Metrics, NamesWithCommasAreQuoted) {
   EXPECT_NE(text.find("\"left, \"\"upper\"\"_x\",\"left, \"\"upper\"\"_y\""), std::string::npos) << text;
 }
 
-// Decimal comma and grouped digits, as streams of a German program have them.
+// Decimal comma and grouped digits, as in a German locale.
 struct GermanNumbers final : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
   char do_thousands_sep() const override { return '.'; }
@@ -355,7 +356,7 @@ TEST(FrameCache, GivesBackWhatWasWritten) {
   EXPECT_THROW(cache.read(3), BakeError);
 }
 
-// The layout that the header documents, by hand.
+// The documented layout, decoded by hand.
 TEST(FrameCache, HasTheDocumentedLayout) {
   const TemporaryFolder folder;
   write_frames(bake::make_cache_sink(), two_tetrahedra(), folder / "");
@@ -378,12 +379,12 @@ TEST(FrameCache, DropsWhatIsNotWholeAtTheEnd) {
   const fs::path path = folder / bake::cache_name;
   const std::string whole = read_text(path);
   const std::size_t record = (whole.size() - 104) / 3;
-  // Cut anywhere.
+  // Truncated at any byte.
   for (std::size_t length = 104; length <= whole.size(); ++length) {
     write_text(path, whole.substr(0, length));
     EXPECT_EQ(bake::FrameCacheReader(path).frame_count(), (length - 104) / record);
   }
-  // Right length, but any one bit of the last record wrong, or nothing of the last two on the disk.
+  // The right length, but with a wrong bit in the last record, or with zeros in place of the last two.
   for (std::size_t byte = 104 + 2 * record; byte < whole.size(); ++byte) {
     std::string damaged = whole;
     damaged[byte] = static_cast<char>(damaged[byte] ^ (1 << byte % 8));
@@ -396,14 +397,14 @@ TEST(FrameCache, DropsWhatIsNotWholeAtTheEnd) {
   EXPECT_EQ(bake::FrameCacheReader(path).frame_count(), 1u);
 }
 
-// The limit on a file's size stands for the full disk.
+// A limit on file size stands in for a full disk.
 TEST(FrameCache, AFullDiskLeavesWholeFrames) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{104 + 2 * 104 + 50, 104 + 2 * 104 + 50};  // header, two records and a piece
+    const rlimit limit{104 + 2 * 104 + 50, 104 + 2 * 104 + 50};  // header, two records and part of a third
     ::setrlimit(RLIMIT_FSIZE, &limit);
     try {
       write_frames(bake::make_cache_sink(), two_tetrahedra(), folder / "");
@@ -433,7 +434,7 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
     write_text(path, whole.substr(0, length));
     EXPECT_THROW(bake::FrameCacheReader{path}, BakeError) << "length " << length;
   }
-  // A frame in the middle: the others can still be read.
+  // Damage to a middle frame leaves the others readable.
   const std::size_t record = (whole.size() - 104) / 3;
   std::string damaged = whole;
   damaged[104 + record + 40] = static_cast<char>(damaged[104 + record + 40] ^ 1);
@@ -450,7 +451,7 @@ TEST(Formats, Names) {
             (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtp", "vtu"}));
 }
 
-// The script's table and what is said of it are one list.
+// The script's table and blender_loads() agree.
 TEST(BlenderScript, LoadsTheFilesItIsSaidToLoad) {
   const std::string script = formats::blender_script({.fps = 24.0, .frames = 2, .first_number = 0});
   std::size_t loaded = 0;
@@ -462,7 +463,7 @@ TEST(BlenderScript, LoadsTheFilesItIsSaidToLoad) {
   }
   EXPECT_EQ(loaded, 5u);
   EXPECT_FALSE(formats::blender_loads("out/obj/"));
-  // A character's own file is no motion.
+  // A character's source file holds no motion to load.
   EXPECT_FALSE(formats::blender_loads("out/character.glb"));
 }
 

@@ -1,5 +1,5 @@
-// surface.glb quantised and compressed: our reader, a viewer worked out from the description and three.js see
-// what the plain file shows.
+// surface.glb quantised and compressed: our reader, an independent viewer and three.js show what the plain
+// file shows.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -44,7 +44,7 @@ fs::path baked_jointed(const TemporaryFolder& folder, const char* name, std::opt
   return folder / name;
 }
 
-// The file as our reader hands it on: nothing compressed.
+// The file decompressed by our reader.
 GltfViewer unpacked(const fs::path& glb) {
   std::vector<std::string> missing;
   const fs::path plain = glb.parent_path() / "unpacked.glb";
@@ -75,8 +75,8 @@ TEST(GlbCompress, ShowsThePlainFileWithinItsBound) {
     EXPECT_LE(extras["quantisation_error"], bound);
     EXPECT_LE(most, bound + float_rounding);
     EXPECT_NEAR(most, extras["quantisation_error"].get<double>(), float_rounding);
-    // Steps are powers of two: at most half as fine as they might be, and a triangle hits a quarter of the
-    // worst case.
+    // Steps are powers of two, so they may be half as large as allowed, and a triangle reaches a quarter of
+    // the worst case.
     EXPECT_GT(most, bound / 16.0);
   }
 }
@@ -98,7 +98,7 @@ TEST(GlbCompress, SaysWhatAReaderMustKnow) {
     if (!view.contains("extensions")) continue;
     const json& how = view["extensions"]["EXT_meshopt_compression"];
     EXPECT_EQ(view["byteLength"], how["count"].get<std::size_t>() * how["byteStride"].get<std::size_t>());
-    // The version that the extension allows of each mode.
+    // The codec version that the extension allows for each mode.
     const auto head = static_cast<unsigned char>(glb.binary.at(how["byteOffset"].get<std::size_t>()));
     EXPECT_EQ(head, how["mode"] == "ATTRIBUTES" ? 0xa0 : how["mode"] == "TRIANGLES" ? 0xe1 : 0xd1);
   }
@@ -115,7 +115,7 @@ TEST(GlbCompress, ABoundTooFineForSixteenBitsIsRefused) {
     const std::string what = error.what();
     const std::size_t at = what.find("give at least ");
     ASSERT_NE(at, std::string::npos) << what;
-    // What it names is enough.
+    // The bound it names works.
     baked_jointed(folder, "again", std::stod(what.substr(at + 14)));
   }
 }
@@ -128,7 +128,7 @@ TEST(GlbCompress, ExportsToTheBytesOfTheBake) {
   EXPECT_EQ(read_text(folder / "exported/surface.glb"), read_text(out / "surface.glb"));
 }
 
-// Frames of a large sheet without a skeleton: its node leads back from the steps, and targets are long ways.
+// Frames of a large sheet without a skeleton: its node undoes the quantisation, and targets are large moves.
 class Sheet {
  public:
   Sheet() : model_(two_tetrahedra()) {
@@ -176,7 +176,7 @@ TEST(GlbCompress, ABodyWithoutSkeletonIsPlacedByItsNode) {
     const double time = static_cast<double>(k) / 8.0;
     EXPECT_LE(furthest_apart(plain.shown(0, time), small.shown(0, time)), 1e-3 + float_rounding) << k;
   }
-  // Every vertex has 28 bytes in a plain target; half of them say more than a strip in a row needs.
+  // A plain target has 28 bytes per vertex, more than twice what is needed for neighbours along a strip.
   EXPECT_LT(fs::file_size(folder / "small/surface.glb"), fs::file_size(folder / "plain/surface.glb") / 2);
 }
 
@@ -192,11 +192,11 @@ TEST(GlbCompress, SeveralObjectsOfOneSkinShareAGrid) {
     const double time = static_cast<double>(k) / 8.0;
     EXPECT_LE(furthest_apart(plain.shown(0, time), small.shown(0, time)), 1e-3 + float_rounding) << k;
   }
-  // Nothing is left of the floats that were replaced: the image stays as it was.
+  // Only the replaced floats are gone: the image is still there.
   EXPECT_NE(read_glb(folder / "small/surface.glb").binary.find("no picture"), std::string::npos);
 }
 
-// The dressed body with `change` made to its file, plain and compressed; both in FOLDER.
+// The dressed body with `change` applied to its file, plain and compressed; both in FOLDER.
 struct PlainAndSmall {
   GltfViewer plain, small;
 };
@@ -230,13 +230,13 @@ int position_type(const GltfViewer& file, std::size_t node) {
   return d["accessors"][number]["componentType"];
 }
 
-// The first object hangs on the joint, without a skin.
+// Makes the first object a child of the joint, without a skin.
 void hang_first_object(json& document) {
   json& nodes = document["nodes"];
   nodes[0]["children"] = {1};
   document["scenes"][0]["nodes"] = {0, 2};
   nodes[1].erase("skin");
-  // Column by column: raw (x, -z, y) to (x, y, z).
+  // Column-major: raw (x, -z, y) to (x, y, z).
   nodes[1]["matrix"] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
 }
 
@@ -280,7 +280,7 @@ TEST(GlbCompress, AMeshOfASkinOutsideTheSceneKeepsItsFloats) {
   EXPECT_EQ(position_type(files.small, 2), 5126);
 }
 
-// Normals of the file that point anywhere, 9 in 3 primitives.
+// Random normals: 9 in 3 primitives.
 void strew_normals(const json& document, std::string& binary, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> value;
@@ -298,7 +298,8 @@ void strew_normals(const json& document, std::string& binary, unsigned seed) {
 }
 
 TEST(GlbCompress, NormalsStandWithinHalfADegree) {
-  // Three roundings by half of 1/127 each; in targets that turn further than bytes say, by half of 1/256.
+  // Three components, each rounded by at most half of 1/127; or by half of 1/256 in targets whose change
+  // exceeds the range of a byte.
   const double angle = std::asin(std::sqrt(3.0) * 0.5 / 127.0);
   EXPECT_LT(angle, 0.5 / 180.0 * 3.14159);
   std::size_t far = 0;
@@ -322,7 +323,7 @@ TEST(GlbCompress, NormalsStandWithinHalfADegree) {
       }
     }
   }
-  // Turns that bytes do not hold are among them.
+  // The sample includes changes beyond the range of a byte.
   EXPECT_GT(far, 100u);
 }
 
@@ -349,7 +350,7 @@ TEST(GlbCompress, ThreeShowsTheBake) {
       const auto points = shown[k][0]["points"].get<std::vector<double>>();
       ASSERT_EQ(points.size(), baked.size());
       for (std::size_t i = 0; i < points.size(); ++i)
-        // Six digits of a time: at some metres a second 1e-5 m, and as much from floats.
+        // Times have six digits: 1e-5 m at some metres per second, and as much from floats.
         EXPECT_NEAR(points[i], double{baked[i]}, (is_small ? bound : 0.0) + 3 * float_rounding)
             << "frame " << k << ", value " << i;
     }

@@ -1,5 +1,4 @@
-// surface.glb of a character made in code: the skeleton that is in the file, its skin and its morph targets
-// together show the baked surface.
+// surface.glb of a generated character: its skeleton, skin and morph targets together show the baked surface.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -31,7 +30,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using scene::Vector3d;
 
-// A float accessor without a view of its own: zeros, and what its sparse part puts in their place.
+// A float accessor without a view: zeros, overwritten by its sparse part.
 std::vector<float> sparse(const GlbChunks& glb, std::size_t number, std::size_t width) {
   const json& accessor = glb.document["accessors"][number];
   EXPECT_FALSE(accessor.contains("bufferView"));
@@ -54,7 +53,7 @@ Vector3d vector_at(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-// What a viewer shows when weight `target` is 1, at the time of the skeleton's key.
+// Checks what a viewer shows with weight `target` at 1, at the time of the frame.
 void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint64_t frame) {
   const model::Model model = jointed_model();
   const GlbChunks glb = read_glb(folder / "surface.glb");
@@ -77,13 +76,13 @@ void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint6
       blend += part.weight[k] * joints[part.skin_joint[part.slot[k]]] * part.inverse_bind[part.slot[k]];
     const Vector3d morphed = part.positions[i] + vector_at(moves, i);
     shown.push_back(blend.topLeftCorner<3, 3>() * morphed + blend.topRightCorner<3, 1>());
-    // Floats of about 10 m in the file, a blend and its inverse: some units of 1e-6 m. What is left out
-    // stands within 1e-6 of a diagonal of half a metre.
+    // Floats of about 10 m in the file, a blend and its inverse: some units of 1e-6 m. Omitted moves are
+    // below 1e-6 of a diagonal of half a metre.
     EXPECT_NEAR((shown.back() - vector_at(points, i)).norm(), 0.0, 1e-5) << "vertex " << i;
     const Vector3d normal =
         (blend.topLeftCorner<3, 3>() * (part.normals[i] + vector_at(turns, i))).normalized();
-    // The only triangle is flat, so the file's normal is its normal; turns under 0.004 are left out, and a
-    // blend of two rotations does not keep angles.
+    // The only triangle is flat, so the normal in the file is the face normal. Changes under 0.004 are
+    // omitted, and a blend of two rotations does not preserve angles.
     EXPECT_GT(normal.dot(vector_at(normals, i)), 0.97) << "vertex " << i;
   }
 }
@@ -96,7 +95,7 @@ TEST(Glb, SkeletonAndTargetsTogetherAreTheBake) {
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"][3], "frame 3");
   EXPECT_EQ(glb.document["extras"]["fascicle"]["fps"], 24.0);
   EXPECT_EQ(glb.document["extras"]["fascicle"]["first_frame_seconds"], 0.5);
-  // Two channels of the skeleton, and the weights: one where key and target are of one frame, else zero.
+  // Two channels of the skeleton, and the weights: 1 if key and target belong to the same frame, else 0.
   const json& animation = glb.document["animations"][0];
   ASSERT_EQ(animation["channels"].size(), 3u);
   EXPECT_EQ(animation["channels"][2]["target"]["path"], "weights");
@@ -120,7 +119,8 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
             formats::format_named("glb").bytes(jointed_model(), 3));
 }
 
-// How far a viewer is from the bake in every frame, m: from the file alone and the frame cache.
+// The largest distance in m between what a viewer shows and the bake, over all frames: from the file alone
+// and from the frame cache.
 double error_of_viewer(const fs::path& folder, std::uint64_t frames) {
   const model::Model model = jointed_model();
   const GlbChunks glb = read_glb(folder / "surface.glb");

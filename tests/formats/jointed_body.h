@@ -1,4 +1,4 @@
-// The fake body with a skeleton, as a character made in code.
+// The fake body with a skeleton, as a generated character.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace fascicle::tests {
 
-// Two joints: the first moves along x, the second turns about z by 90 degrees in a second.
+// Two joints: the first moves along x, the second turns about z by 90 degrees in one second.
 model::Model jointed_model();
 scene::Scene jointed_scene(std::uint64_t frames);
 bake::BakeResult bake_jointed(const bake::BakeOptions& options, std::uint64_t frames);

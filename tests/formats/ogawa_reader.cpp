@@ -11,7 +11,7 @@ namespace {
   throw std::runtime_error("Ogawa: " + what);
 }
 
-// Reads a run of packed values.
+// Reads packed values one after another.
 struct Cursor {
   std::string bytes;
   std::size_t at = 0;
@@ -176,7 +176,7 @@ class Reader {
            " samples");
     for (std::size_t k = 0; k < parts.size(); k += step) {
       property.stored.push_back(sample(parts[k]));
-      // Empty: the dimensions follow from the size.
+      // Empty dimensions follow from the size.
       if (step == 2 && !data(parts[k + 1]).empty()) fail(property.name + " has dimensions of its own");
     }
   }

@@ -1,5 +1,5 @@
-// Reads Alembic's Ogawa files, written from the format's description and sharing nothing with what writes
-// them. Strict: whatever is out of place throws std::runtime_error with what and where.
+// Reads Alembic's Ogawa files, written from the format's description without code of the writer. Strict:
+// anything invalid throws std::runtime_error with what and where.
 #pragma once
 
 #include <array>
@@ -19,21 +19,21 @@ struct OgawaSample {
 struct OgawaProperty {
   std::string name, metadata;
   OgawaKind kind = OgawaKind::compound;
-  unsigned pod = 0;     // Alembic's number of the type: 6 int32, 10 float32, 11 float64
-  unsigned extent = 0;  // values a point
+  unsigned pod = 0;     // Alembic's type number: 6 int32, 10 float32, 11 float64
+  unsigned extent = 0;  // values per point
   bool one_point = false, homogeneous = false;
   std::uint32_t samples = 0, first_changed = 0, last_changed = 0, sampling = 0;
-  std::vector<OgawaSample> stored;        // scalars and arrays
-  std::vector<OgawaProperty> properties;  // compounds
+  std::vector<OgawaSample> stored;        // of scalars and arrays
+  std::vector<OgawaProperty> properties;  // of compounds
 
-  // The stored sample that stands for sample k.
+  // The stored sample used for sample k; equal samples are stored once.
   const OgawaSample& at(std::uint32_t k) const;
   const OgawaProperty& property(const std::string& of_name) const;
 };
 
 struct OgawaObject {
   std::string name, metadata;
-  OgawaProperty properties;  // a compound without name
+  OgawaProperty properties;  // a compound without a name
   std::vector<OgawaObject> children;
 };
 

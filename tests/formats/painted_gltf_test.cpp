@@ -1,4 +1,4 @@
-// A glTF file that a paint was written into: read again it is the same character, painted.
+// Paint written into a glTF file: read back, it is the same character with the paint.
 #include "host/formats/painted_gltf.h"
 
 #include <map>
@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-// Of directions that were turned into the file's space, rounded to single precision, and turned back.
+// Directions are rotated into the file's space, rounded to single precision, and rotated back.
 constexpr double turned = 1e-6;
 
 std::map<std::string, std::vector<double>> painted_on(const rig::Character& character) {
@@ -56,7 +56,7 @@ void expect_same(const GltfBuilder& builder) {
   EXPECT_GT(length, 1.0) << "the control: there are fibres";
 }
 
-// Z is up in the column's file.
+// The column's file has Z up.
 TEST(PaintedGltf, ReadsAsThePaint) {
   expect_same(column());
 }
@@ -65,7 +65,7 @@ TEST(PaintedGltf, WithBlendShapes) {
   expect_same(column_with_shapes());
 }
 
-// Each node's vertices have paint of their own.
+// Two nodes with one mesh can be painted differently.
 TEST(PaintedGltf, AMeshOfTwoNodesBecomesTwo) {
   GltfBuilder twice = column();
   json& nodes = twice.document["nodes"];

@@ -32,7 +32,7 @@ void write_frames(std::unique_ptr<formats::FrameSink> sink, const model::Model& 
 
 model::Model folded_sheet() {
   model::Model m = two_tetrahedra();
-  // Vertices of the model at the origin, along x, along y and along z; the last becomes (0, 0, 2).
+  // Model vertices at the origin, on x, y and z; the last one is moved to (0, 0, 2).
   m.rest = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2, 1, 1, 1};
   m.surface_vertex.clear();
   m.surface_weight.clear();
@@ -41,7 +41,7 @@ model::Model folded_sheet() {
       m.surface_vertex.push_back(vertex);
       m.surface_weight.push_back(corner == 0 ? 1.0f : 0.0f);
     }
-  // The first looks along z; the second along -y, twice as large.
+  // The first triangle faces z; the second faces -y and is twice as large.
   m.surface_triangle = {0, 1, 2, 3, 5, 4};
   return m;
 }

@@ -1,4 +1,4 @@
-// What the tests of single sinks write: three frames of a body that is stretched, against closed forms.
+// Input of the tests of single sinks: three frames of a body that is stretched, with known closed forms.
 #pragma once
 
 #include <array>
@@ -17,16 +17,15 @@ namespace fascicle::tests {
 
 inline constexpr std::array<double, 3> sink_origin{12.0, -1.0, 4.0};
 
-// Frame k of a body that is stretched by s = 1 + k/4 about its first vertex: x -> s x, working units, v = k
-// x.
+// Frame k of a body stretched by s = 1 + k/4 about its first vertex: x -> s x in working units, v = k x.
 model::Frame stretched(const model::Model& model, std::uint64_t k);
 
-// Frames 0 to 2 at 8 a second from 1.5 s on through one sink.
+// Writes frames 0 to 2 at 8 fps, starting at 1.5 s, through one sink.
 void write_frames(std::unique_ptr<formats::FrameSink> sink, const model::Model& model,
                   const std::filesystem::path& folder);
 
-// Two right triangles at a right angle, one twice the other's area, with a seam along their common edge:
-// render vertices 0 1 2 and 3 4 5, of which 0 and 3, 1 and 4 lie in the same places.
+// Two right triangles at a right angle, one with twice the area of the other, with a seam along their common
+// edge: of the render vertices 0 1 2 and 3 4 5, 0 and 3 coincide, and so do 1 and 4.
 model::Model folded_sheet();
 
 template <class T>

@@ -1,5 +1,5 @@
-// Objects, materials, texture coordinates, creased normals and velocities of a file with all of them, read
-// back from every format that holds them.
+// Objects, materials, texture coordinates, creased normals and velocities of a file, read back from every
+// format that holds them.
 #include "host/formats/surface_objects.h"
 
 #include <cmath>
@@ -32,8 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Normals are made of unit vectors in double and rounded once; the file's 0.6 and 0.8 are floats of length 1
-// within 1e-7.
+// Normals are computed in double and rounded once; the file's 0.6 and 0.8 are floats of length 1 within 1e-7.
 constexpr double normal_error = 1e-6;
 
 formats::SurfaceObjects dressed() {
@@ -60,7 +59,7 @@ void expect_normals(const std::vector<float>& found, std::uint64_t k, std::size_
         << "frame " << k << ", " << i;
 }
 
-// Of frame k of 0 to 3 at 8 a second.
+// Velocities of frame k of 0 to 3, at 8 fps.
 void expect_velocities(const std::vector<float>& found, std::uint64_t k, std::size_t first) {
   const std::uint64_t before = k == 0 ? 0 : k - 1, after = k == 3 ? 3 : k + 1;
   const double factor = 8.0 / static_cast<double>(after - before);
@@ -91,7 +90,7 @@ TEST(SurfaceObjects, AreThoseOfTheFile) {
   ASSERT_EQ(surface.textures.size(), 1u);
   EXPECT_EQ(surface.textures[0].bytes, "no picture");
   EXPECT_TRUE(surface.objects[1].uvs.empty());
-  // In the bind pose, though the file's lie on their side.
+  // Rotated to the bind pose; the file has Z up.
   ASSERT_EQ(surface.normals.size(), 27u);
   for (std::size_t i = 0; i < 27; ++i) EXPECT_NEAR(surface.normals[i], dressed_normals[i], normal_error);
 }
@@ -113,21 +112,21 @@ TEST(SurfaceNormals, KeepCreasesAndTurnWithTheBody) {
   const model::Model model = dressed_model();
   const formats::SurfaceNormals normals(model, dressed().normals);
   for (std::uint64_t k = 0; k < 4; ++k) expect_normals(normals.of(turned(model, k).surface), k, 0);
-  // The control: smooth ones are more than 30 degrees off at the crease, and the shortest rotation of a
-  // surface that spins about its normal would leave the one that leans where it is.
+  // The control: smooth normals are off by more than 30 degrees at the crease. The tilted normal catches a
+  // shortest rotation, which would leave it behind when the surface spins about its normal.
   const std::vector<float> smooth = formats::SurfaceNormals(model).of(turned(model, 0).surface);
   double cosine = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) cosine += double{smooth[axis]} * dressed_normals[axis];
   EXPECT_LT(cosine, std::sqrt(0.75));
 }
 
-// Each side of a crease goes with its own faces: the second face swings about the common edge.
+// Each side of a crease follows its own faces: the second face swings about the common edge.
 TEST(SurfaceNormals, SidesOfACreaseTurnApart) {
   const model::Model model = dressed_model();
   const formats::SurfaceNormals normals(model, dressed().normals);
   std::vector<float> positions = model.rest;
-  // The edge lies along y; vertex 3 goes from (0, 0, 1) to (-0.6, 0, 0.8), and the face's normal from (1, 0,
-  // 0) to (0.8, 0, 0.6).
+  // The edge is along y. Vertex 3 moves from (0, 0, 1) to (-0.6, 0, 0.8), and the face normal from (1, 0, 0)
+  // to (0.8, 0, 0.6).
   positions[9] = -0.6f;
   positions[11] = 0.8f;
   const std::vector<float> found = normals.of(formats::embed(model, positions));
@@ -293,7 +292,7 @@ TEST(Usd, HoldsObjectsMaterialsUvsAndVelocities) {
   EXPECT_EQ(usd["meshes"], 2);
   const json& specs = usd["specs"];
   EXPECT_EQ(usd["stage"]["defaultPrim"], "body");
-  // What the first reader passes over: the strict one's own text of the file.
+  // The text of the file, for what the first reader ignores.
   const std::string layer = usd["layer"];
   for (const char* text :
        {"kind = \"component\"", "float3[] extentsHint = [(", "point3f[] points = [(10, 0, -3)",

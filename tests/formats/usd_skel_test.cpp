@@ -1,5 +1,4 @@
-// UsdSkel beside the baked points: what the schema says a viewer shows of it is skinning by the file's
-// skeleton.
+// UsdSkel next to the baked points: evaluated by the schema, it is skinning by the file's skeleton.
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -27,7 +26,7 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using nlohmann::json;
 
-// Half precision of scales near 1, and floats of about 10 m.
+// Scales near 1 in half precision, and floats of about 10 m.
 constexpr double skel_rounding = 2e-5;
 
 json read_usd(const fs::path& file) {
@@ -38,7 +37,7 @@ json read_usd(const fs::path& file) {
   return json::parse(read_text(out));
 }
 
-// USD's rows as columns.
+// USD has row vectors; this transposes to column vectors.
 Matrix4d matrix_of(const json& numbers, std::size_t number = 0) {
   Matrix4d m;
   const std::vector<double> flat = [&] {
@@ -57,7 +56,7 @@ Matrix4d matrix_of(const json& numbers, std::size_t number = 0) {
   return m;
 }
 
-// The skinned points of one mesh at the k-th time sample, in the world, by UsdSkel's equation.
+// The skinned points of a mesh at time sample k, in the world, by UsdSkel's equation.
 std::vector<Vector3d> skinned(const json& usd, const std::string& root, const std::string& mesh,
                               std::size_t k) {
   const auto field = [&](const std::string& path, const char* key) -> const json& {
@@ -73,7 +72,7 @@ std::vector<Vector3d> skinned(const json& usd, const std::string& root, const st
   };
   const std::vector<double> t = sample("translations"), r = sample("rotations"), s = sample("scales");
   std::vector<Matrix4d> pose;
-  // The parser turns quaternions from the file's (w, x, y, z) to (x, y, z, w).
+  // The parser reorders the file's quaternions from (w, x, y, z) to (x, y, z, w).
   for (std::size_t j = 0; j < joints.size(); ++j) {
     Eigen::Affine3d local = Eigen::Translation3d(t[3 * j], t[3 * j + 1], t[3 * j + 2]) *
                             Eigen::Quaterniond(r[4 * j + 3], r[4 * j], r[4 * j + 1], r[4 * j + 2]) *
@@ -102,7 +101,7 @@ std::vector<Vector3d> skinned(const json& usd, const std::string& root, const st
   return result;
 }
 
-// The viewer knows targets; without them it shows skinning.
+// This viewer also applies morph targets; a file without any shows plain skinning.
 std::vector<Vector3d> skinned_by_gltf(const fs::path& character, double time) {
   return GltfViewer(character).shown(0, time);
 }
@@ -131,7 +130,7 @@ TEST(UsdSkel, IsSkinningByTheFilesSkeleton) {
     for (std::size_t i = 0; i < by_usd.size(); ++i)
       EXPECT_LT((by_usd[i] - by_gltf[i]).norm(), skel_rounding) << "frame " << k << ", vertex " << i;
   }
-  // The baked points are as without.
+  // The baked points are the same without the option.
   options.folder = folder / "plain";
   options.usd_skel = false;
   bake_jointed(options, 6);
@@ -141,7 +140,7 @@ TEST(UsdSkel, IsSkinningByTheFilesSkeleton) {
   const std::size_t from = with.find("    def SkelRoot"), end = with.rfind("\n    }\n}") + 7;
   ASSERT_NE(from, std::string::npos);
   EXPECT_EQ(with.substr(0, from) + with.substr(end), without);
-  // And so they are where a finished bake is exported.
+  // So they are in an export of a finished bake.
   bake::export_bake({.bake = folder / "plain",
                      .folder = folder / "exported",
                      .formats = {"usda"},
@@ -159,7 +158,7 @@ TEST(UsdSkel, ObjectsAreBoundWhereTheFileHasThemInItsOwnAxes) {
   for (const char* mesh : {"Body_001", "Body_001_2"})
     for (const Vector3d& place : skinned(usd, "/body/Skinning", mesh, 1)) shown.push_back(place);
   ASSERT_EQ(shown.size(), 9u);
-  // The file's skeleton rests, and so do they: as frame 0, which is the bind pose.
+  // The file has no clip, so they stay in the bind pose, which is frame 0.
   for (std::size_t i = 0; i < shown.size(); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(shown[i][static_cast<Eigen::Index>(axis)], dressed_point(0, i)[axis], skel_rounding) << i;

@@ -27,7 +27,7 @@ std::uint64_t number_at(const std::string& text, std::size_t at) {
   return value;
 }
 
-// The array that begins at `at`, which becomes its end.
+// Decompresses the array at `at`, and advances `at` to its end.
 std::string inflated(const std::string& text, std::size_t& at) {
   const std::uint64_t blocks = number_at(text, at), whole = number_at(text, at + 8),
                       last = number_at(text, at + 16);

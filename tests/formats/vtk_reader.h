@@ -1,4 +1,5 @@
-// Reads VTK's XML files with compressed raw appended data, by the format's description and zlib alone.
+// Reads VTK's XML files with compressed raw appended data, written from the format's description with only
+// zlib.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +15,7 @@ struct VtkFile {
   std::map<std::string, std::vector<std::string>> names;  // lists of names in the field data
 };
 
-// Throws std::runtime_error with what is out of place.
+// Throws std::runtime_error that names what is invalid.
 VtkFile read_vtk(const std::filesystem::path& path);
 
 }  // namespace fascicle::tests
