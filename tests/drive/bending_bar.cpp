@@ -30,7 +30,7 @@ BendingBar bending_bar(double seconds) {
     joint.skins = true;
     character.skeleton.push_back(joint);
   }
-  // For files alone: the model has its own.
+  // Only used by file writers: the model has its own skinning.
   character.joints.assign(bar.model.surface_count(), {});
   character.weights.assign(bar.model.surface_count(), {1.0});
   bar.scene.geometry = character;

@@ -1,4 +1,4 @@
-// Bakes of scenes of several characters, for tests: through the lead-in and some frames on the CPU.
+// Bakes scenes of several characters for tests: the lead-in and some frames, on the CPU.
 #pragma once
 
 #include <cstdint>
@@ -17,30 +17,30 @@ namespace fascicle::tests {
 
 extern const std::string flesh_on_bones;  // layers and substeps
 
-// [TABLE], an arm of some 800 vertices, with these keys more.
+// [TABLE]: an arm of some 800 vertices, with additional keys.
 std::string arm(const std::string& table, const std::string& more = "");
 
 struct Walk {
   scene::Scene scene;
   model::Model model;
   build::Report report;
-  std::vector<std::vector<Eigen::Vector3d>> surface;  // m, of each frame
+  std::vector<std::vector<Eigen::Vector3d>> surface;  // m, for each frame
   model::State last;
 };
-// `folder` has the files that the text names.
+// `folder` holds the files that the text names.
 Walk walk(const std::string& text, std::uint64_t frames, const std::filesystem::path& folder = {});
 
-// How far a character's surface stands from where it stands in the other walk at the end, in the mean, m.
+// The mean displacement of a character's surface from that of the other walk, in the last frame, m.
 Eigen::Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character);
 
-// The corner of a box: bit a of k says whether it is high along axis a.
+// A corner of a box: bit a of k selects the high side along axis a.
 Eigen::Vector3d corner_of(const Eigen::Vector3d& low, const Eigen::Vector3d& high, unsigned k);
 
 // A box of 12 triangles, as an .obj.
 void write_box(const std::filesystem::path& file, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
-// Boxes as a .glb, each a mesh on a node of its own, "box N", that stands at the middle of its box; no skin,
-// no clip.
+// Boxes as a .glb without skin or clip. Each is a mesh on its own node, "box N", placed at the centre of the
+// box.
 struct Box {
   Eigen::Vector3d low, high;
 };

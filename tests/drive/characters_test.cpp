@@ -1,4 +1,4 @@
-// Several characters in one scene: each moves as it does alone, where it was put, and they push each other.
+// Several characters in one scene: each moves as it does alone, at its place, and they push each other.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -41,9 +41,9 @@ TEST(Characters, FarApartMoveAsTheyDoAlone) {
            frames);
   ASSERT_EQ(both.model.vertex_count, 2 * alone.model.vertex_count);
   ASSERT_EQ(both.model.tetrahedron_count(), 2 * alone.model.tetrahedron_count());
-  // The same tetrahedra; what differs is rounding. Places lie up to 2 m from the frame's origin, between the
-  // two, so that a float has 1.2e-7 m (alone: 6e-8 m); springs of 1 Hz and more turn what a substep's
-  // rounding does to a velocity into some hundred times that.
+  // The tetrahedra are the same, so only rounding differs. Positions are up to 2 m from the frame's origin,
+  // which is between the two, so float spacing is 1.2e-7 m (alone: 6e-8 m). Springs of 1 Hz and more amplify
+  // the effect of a substep's rounding on velocity by a few hundred.
   constexpr double rounding = 100.0 * 2.4e-7;
   const Eigen::Matrix3d turn = scene::turned_by({0, 90, 0});
   double moved = 0.0;
@@ -57,7 +57,7 @@ TEST(Characters, FarApartMoveAsTheyDoAlone) {
     moved = std::max(moved, furthest(alone.surface[k], 0, alone.surface[0], Eigen::Matrix3d::Identity(),
                                      Vector3d::Zero()));
   }
-  EXPECT_GT(moved, 0.1) << "and they move at all";
+  EXPECT_GT(moved, 0.1) << "they do not move at all";
 }
 
 TEST(Characters, EachHasItsOwnStart) {
@@ -66,7 +66,7 @@ TEST(Characters, EachHasItsOwnStart) {
                          1);
   drive::DriveSource drives(both.scene, both.model);
   const std::size_t joints = both.scene.characters[1].first_joint;
-  // 0.25 s are 15 frames; the poses are sums of the same doubles up to their last bits.
+  // 0.25 s is 15 frames. The poses are sums of the same doubles up to the last bits.
   for (const std::uint64_t k : {0u, 10u, 40u})
     for (std::size_t j = 1; j < joints; ++j) {
       const Eigen::Matrix4d early = drives.joints(k)[j], late = drives.joints(k + 15)[joints + j];
@@ -78,7 +78,7 @@ TEST(Characters, EachHasItsOwnStart) {
 
 const std::string meets = "self = true\n", does_not_meet = "ignore = [[\"a\", \"b\"]]\n";
 
-// Arms side by side whose flesh overlaps by a third of their thickness.
+// Arms side by side whose flesh overlaps by a third of its thickness.
 std::string side_by_side(const std::string& contact, const std::string& of_b = "") {
   return arm("character.a") + arm("character.b", "at = [0, 0, 0.1]\n" + of_b) +
          "[motion]\npreroll = 0.0\n[contact]\n" + contact + flesh_on_bones;
@@ -89,10 +89,10 @@ TEST(Characters, PushEachOther) {
   const Walk with = walk(side_by_side(meets), frames), without = walk(side_by_side(does_not_meet), frames);
   const model::OverlapMeter meter(with.model);
   const double left = meter.of(with.last.positions).volume, before = meter.of(without.last.positions).volume;
-  EXPECT_GT(before, 1e-5) << "m^3: without contact they lie in each other";
+  EXPECT_GT(before, 1e-5) << "m^3: without contact they overlap";
   EXPECT_LT(left, 0.25 * before);
-  // What pushes one pushes the other as hard the other way. They are the same body; that one is the first in
-  // the search, and its vertices the points, makes a difference of a tenth.
+  // Both are pushed equally, in opposite directions. The bodies are the same, but one comes first in the
+  // search and supplies the points, which makes a difference of a tenth.
   const Vector3d a = mean_move(with, without, 0), b = mean_move(with, without, 1);
   EXPECT_LT(a.z(), -5e-4);
   EXPECT_GT(b.z(), 5e-4);
@@ -106,7 +106,7 @@ TEST(Characters, ARigidOnePushesAndIsNotPushed) {
              without = walk(side_by_side(does_not_meet, rigid), frames);
   EXPECT_LT(mean_move(with, without, 0).z(), -1e-3);
   EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
-  // It is where skinning has it.
+  // It stays at its skinned position.
   const std::uint32_t first = with.scene.characters[1].first_joint;
   std::size_t vertices = 0;
   for (std::uint32_t i = 0; i < with.model.vertex_count; ++i) {
@@ -119,7 +119,7 @@ TEST(Characters, ARigidOnePushesAndIsNotPushed) {
   EXPECT_EQ(2 * vertices, with.model.vertex_count);
 }
 
-// skeleton.only of one character leaves no free flesh on the other.
+// skeleton.only with joints of one character leaves no simulated flesh on the other.
 TEST(Characters, OnlyTheJointsThatAreNamedAreSimulated) {
   const Walk some = walk(arm("character.a") + arm("character.b", "at = [0, 0, 3]\n") +
                              "[skeleton]\nonly = [\"a/forearm\"]\n" + flesh_on_bones,
@@ -133,7 +133,7 @@ TEST(Characters, OnlyTheJointsThatAreNamedAreSimulated) {
   EXPECT_GT(free, 0u);
 }
 
-// Shapes are seen in the bind pose of each character.
+// Shapes are placed in the bind pose of each character.
 TEST(Characters, ShapesHoldForEachInItsOwnBindPose) {
   const std::string probe =
       "[probe.hand]\nwhere = { above = { axis = \"x\", fraction = 0.9 } }\n"
@@ -147,7 +147,7 @@ TEST(Characters, ShapesHoldForEachInItsOwnBindPose) {
   }
 }
 
-// A character that jumps is carried over the cut with its flesh; the one that does not moves on as before.
+// A character that jumps is carried over the cut with its flesh; the other one moves on normally.
 TEST(Characters, AJumpOfOneIsACut) {
   scene::Scene scene = scene::parse_scene({"test",
                                            "test.toml",
@@ -172,8 +172,8 @@ TEST(Characters, AJumpOfOneIsACut) {
   EXPECT_EQ(cuts, 1u);
 }
 
-// character.glb, from which formats have looks, objects and skeletons: its own reader finds every character
-// where the scene's skeleton has it.
+// character.glb, which gives formats looks, objects and skeletons: its reader finds every character where the
+// scene's skeleton puts it.
 void expect_in_one_document(const std::string& text, std::size_t least_objects,
                             const std::filesystem::path& folder = asset("").parent_path()) {
   scene::Scene scene = scene::parse_scene({"test", "test.toml", text, folder}, {});
@@ -218,7 +218,7 @@ void expect_in_one_document(const std::string& text, std::size_t least_objects,
         furthest = std::max(furthest, (shown - expected).norm());
       }
     EXPECT_EQ(i, character.surface.vertices.size());
-    // Places up to 4 m, through some ten joints whose numbers are floats.
+    // Positions up to 4 m, through about ten joints stored as floats.
     EXPECT_LT(furthest, 10.0 * 4.8e-7) << frame;
   }
 }
@@ -236,8 +236,8 @@ TEST(Characters, HeldOnesAreInOneGltf) {
       2);
 }
 
-// A still one, with a part that is turned and scaled; and one with a clip in a hand, whose file has a ground
-// that is left out.
+// A still prop with a rotated and scaled part; and a prop with a clip, held in a hand, whose file has a
+// ground that is left out.
 TEST(Characters, PropsAreInOneGltf) {
   const TemporaryFolder folder;
   GltfBuilder chair = boxes({{{0, 0, 0}, {0.5, 0.5, 0.5}}, {{0, 0.5, 0}, {0.5, 1, 0.1}}});

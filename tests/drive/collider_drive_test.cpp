@@ -1,4 +1,5 @@
-// Where solids are in each substep: between their keys, with a joint, at a cut, and as another cycle begins.
+// The positions of solids in each substep: between keys, attached to a joint, at a cut, and at the start of
+// another cycle.
 #include "host/drive/collider_drive.h"
 
 #include <cmath>
@@ -19,7 +20,7 @@ using scene::Collider;
 using scene::ColliderShape;
 using scene::Vector3d;
 
-// Where a point of the body's space (metres) lies in the solid's own.
+// A point of the body's space in the solid's local space, both in metres.
 Vector3d seen_from(const float* rows, const Vector3d& point, double unit, const Vector3d& origin) {
   const Vector3d x = (point - origin) / unit;
   Vector3d seen;
@@ -45,7 +46,7 @@ Collider keyed_box() {
   return box;
 }
 
-// By hand: halfway between its keys it has gone half of the way and turned by half of the angle.
+// By hand: halfway between its keys it has moved half the way and turned by half the angle.
 TEST(ColliderDrive, GoesAlongItsKeys) {
   const scene::Scene scene = scene_with(keyed_box());
   const ColliderDrive drive(scene, model::Model{}, 0.01);
@@ -65,8 +66,8 @@ TEST(ColliderDrive, GoesAlongItsKeys) {
   }
 }
 
-// The maps lead from where the solid is to its own middle, at the substep's end and at its beginning,
-// whatever the unit and the origin are.
+// The maps take the solid's position to its local origin, at the end and at the start of the substep, for any
+// unit and origin.
 TEST(ColliderDrive, HasTheWayThroughASubstep) {
   const scene::Scene scene = scene_with(keyed_box());
   model::Model model;
@@ -76,13 +77,13 @@ TEST(ColliderDrive, HasTheWayThroughASubstep) {
   const Vector3d origin(3.0, -1.0, 0.5);
   drive.append({1.25}, {1.5}, origin, made);
   ASSERT_EQ(made.size(), 1u);
-  // Rounded to float a few working units away.
+  // Float rounding at a few working units.
   constexpr double rounding = 1e-6;
   EXPECT_LT(seen_from(&made[0].xx, {1.0, 1.0, 0.0}, 0.5, origin).norm(), rounding);
   EXPECT_LT(seen_from(&made[0].before_xx, {1.0, 0.5, 0.0}, 0.5, origin).norm(), rounding);
   EXPECT_GT(seen_from(&made[0].before_xx, {1.0, 1.0, 0.0}, 0.5, origin).norm(), 0.4);
   EXPECT_EQ(made[0].half_x, 0.5f);
-  // Five times the depth a second.
+  // The lift rate is 5 per second; 0.01 s gives an exponent of 0.05.
   EXPECT_NEAR(double(made[0].lifted), 1.0 - std::exp(-0.05), 1e-7);
 }
 
@@ -113,8 +114,8 @@ struct MadeArm {
   model::Model model;
 };
 
-// The forearm turns about the elbow at (0.3, 0, 0): what goes with it keeps its distance from there. Each
-// substep begins where the one before it ended.
+// The forearm rotates about the elbow at (0.3, 0, 0), so an attached solid keeps its distance from it. Each
+// substep starts where the previous one ended.
 TEST(ColliderDrive, GoesWithItsJoint) {
   const MadeArm arm(ball_on_forearm());
   drive::DriveSource drives(arm.scene, arm.model);
@@ -133,10 +134,10 @@ TEST(ColliderDrive, GoesWithItsJoint) {
       for (int k = 0; k < 12; ++k)
         EXPECT_EQ((&drive.colliders[s].before_xx)[k], (&drive.colliders[s - 1].xx)[k]) << frame;
   }
-  EXPECT_GT(furthest, 0.3);  // it bends
+  EXPECT_GT(furthest, 0.3);  // the arm bends
 }
 
-// At a cut it stands where it goes on: flesh is not swept along.
+// At a cut the solid is at its new position for the whole substep, so it does not sweep flesh along.
 TEST(ColliderDrive, StandsAtACut) {
   const MadeArm arm(ball_on_forearm(), {"motion.cuts=[1.0]"});
   drive::DriveSource drives(arm.scene, arm.model);
@@ -154,7 +155,7 @@ TEST(ColliderDrive, StandsAtACut) {
   EXPECT_EQ(standing, 1u);
 }
 
-// A solid with keys repeats with the clip, and starts over with it.
+// A keyed solid repeats with the clip and restarts with it.
 TEST(ColliderDrive, RepeatsWithTheClip) {
   Collider keyed = ball();
   keyed.times = {0.0, 4.0};
@@ -170,8 +171,8 @@ TEST(ColliderDrive, RepeatsWithTheClip) {
             1e-6);
 }
 
-// What lies in a solid that goes with a joint, or near it, is spared; what is far is not. A free one spares
-// nothing.
+// Flesh in or near a solid that is attached to a joint is spared; flesh further away is not. A free solid
+// spares nothing.
 TEST(ColliderDrive, SparesTheFleshAroundItsJoint) {
   const MadeArm bound(ball_on_forearm());
   std::size_t spared = 0;

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 
 constexpr double pi = 3.14159265358979323846;
 
-// Two joints, the second a metre above the first. In two seconds the first walks 10 m along x and 1 m down,
-// and the second turns by a right angle about z.
+// Two joints, the second a metre above the first. In two seconds the first moves 10 m along x and 1 m down,
+// and the second turns by 90 degrees about z.
 rig::Character walker() {
   rig::Character character;
   for (int j = 0; j < 2; ++j) {
@@ -45,7 +45,7 @@ struct Walk {
   model::Model model;
 };
 
-// No more of a model than a drive depends on.
+// Only the parts of a model that a drive depends on.
 Walk walking() {
   Walk s;
   s.scene.geometry = walker();
@@ -77,14 +77,14 @@ Vector3d vector(const std::array<double, 3>& a) {
   return {a[0], a[1], a[2]};
 }
 
-// Rest position in metres to posed position in metres, as a solver would go.
+// Takes a rest position to a posed position, both in metres, as a solver does.
 Vector3d through(const shader::Bone& bone, const Vector3d& p, const Walk& s,
                  const std::array<double, 3>& origin) {
   const Vector3d local = (p - vector(s.model.rest_origin)) / s.model.unit;
   return Vector3d((matrix(bone) * local.homogeneous()).head<3>()) * s.model.unit + vector(origin);
 }
 
-// Positions of a few working units as float.
+// Float rounding at a few working units.
 constexpr double float_rounding = 2e-6;
 
 TEST(DriveSource, bones_are_the_clip_at_the_ends_of_the_substeps) {
@@ -115,8 +115,8 @@ TEST(DriveSource, the_scenes_scale_holds_for_the_skeleton_too) {
   s.scene.scale = 0.01;
   s.model.unit = 1.0 / 64;
   DriveSource source(s.scene, s.model);
-  const model::Drive drive = source.drive(42);  // ends at 2 s
-  const Vector3d p(0.003, 0.01, 0);             // the second joint, in metres, and 3 mm beside it
+  const model::Drive drive = source.drive(42);  // it ends at 2 s
+  const Vector3d p(0.003, 0.01, 0);             // m: 3 mm from the second joint
   EXPECT_LT((through(drive.bones[7], p, s, drive.origin) - Vector3d(0.1, 0.003, 0)).norm(), float_rounding);
 }
 
@@ -125,7 +125,7 @@ TEST(DriveSource, origins_are_whole_units_near_the_root_and_shifts_are_exact) {
   DriveSource source(s.scene, s.model);
   std::array<double, 3> last = source.initial_state().origin;
   bool moved = false;
-  for (std::uint64_t frame = 1; frame <= 60; ++frame) {  // beyond the clip's end too
+  for (std::uint64_t frame = 1; frame <= 60; ++frame) {  // also past the end of the clip
     const model::Drive drive = source.drive(frame);
     const double t = std::min(2.0, 0.25 + static_cast<double>(frame) / 24.0);
     const Vector3d root = Vector3d(10, -1, 0) * (t / 2.0);
@@ -148,8 +148,7 @@ TEST(DriveSource, the_origin_follows_a_root_that_skins) {
   for (rig::Joint& joint : character.skeleton) joint.inverse_bind(1, 3) -= 20;
   character.root(1, 3) = 20;
   DriveSource source(s.scene, s.model);
-  EXPECT_EQ(source.drive(42).origin,
-            (std::array<double, 3>{10, 20, 0}));  // 20 + 1 - 1: the second joint's place
+  EXPECT_EQ(source.drive(42).origin, (std::array<double, 3>{10, 20, 0}));  // 20 + 1 - 1: the second joint
 }
 
 TEST(DriveSource, without_a_skeleton_the_origin_rests) {
@@ -172,7 +171,7 @@ TEST(DriveSource, units_gravity_and_decay) {
   EXPECT_EQ(drive.gravity, (std::array<float, 3>{2.0f, -19.62f, 1.0f}));
   ASSERT_EQ(drive.decay.size(), 2u);
   EXPECT_EQ(drive.decay[0], 1.0f);
-  // The nearest float but for results within 1e-15 of the middle between two.
+  // The nearest float, except for results within 1e-15 of a midpoint.
   EXPECT_FLOAT_EQ(drive.decay[1], static_cast<float>(std::exp(-6.0 / 96.0)));
 }
 
@@ -189,14 +188,14 @@ TEST(DriveSource, forces_act_from_their_start_until_before_their_end) {
     const model::Drive drive = source.drive(frame);
     ASSERT_EQ(drive.forces.size(), 8u);
     for (std::size_t step = 0; step < 4; ++step) {
-      // 0.1 s is the beginning of frame 7, 0.2 s that of frame 13.
+      // Frame 7 starts at 0.1 s, frame 13 at 0.2 s.
       const bool acts = frame >= 7 && frame <= 12;
       EXPECT_EQ(drive.forces[2 * step].z, acts ? 16.0f : 0.0f) << "frame " << frame << " substep " << step;
       EXPECT_EQ(drive.forces[2 * step + 1].x, 6.0f);
       acted += drive.forces[2 * step].z != 0.0f ? 1 : 0;
     }
   }
-  EXPECT_EQ(acted, 24u);  // a tenth of a second at 240 substeps a second
+  EXPECT_EQ(acted, 24u);  // 0.1 s at 240 substeps per second
 }
 
 TEST(DriveSource, a_force_may_begin_inside_a_frame) {
@@ -206,7 +205,7 @@ TEST(DriveSource, a_force_may_begin_inside_a_frame) {
   s.model.force_count = 1;
   DriveSource source(s.scene, s.model);
   EXPECT_EQ(source.drive(1).forces[3].x, 0.0f);
-  const model::Drive second = source.drive(2);  // its third substep begins there
+  const model::Drive second = source.drive(2);  // the third substep starts there
   EXPECT_EQ(second.forces[1].x, 0.0f);
   EXPECT_EQ(second.forces[2].x, 1.0f);
 }

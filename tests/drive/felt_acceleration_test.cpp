@@ -1,4 +1,5 @@
-// What flesh feels of keys that leap, and of keys that are samples: the same at every frame rate.
+// The acceleration that flesh feels from sampled keys and from keys that jump is the same at every frame
+// rate.
 #include "host/drive/felt_acceleration.h"
 
 #include <cmath>
@@ -20,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A second in which the bar is thrown up and down, by keys 24 times a second.
+// The bar thrown up and down for a second, with 24 keys per second.
 BendingBar thrown_bar(scene::KeyInterpolation interpolation, double fps) {
   BendingBar bar = bending_bar(1.0);
   std::vector<RootKey> keys;
@@ -48,7 +49,7 @@ double largest_acceleration(BendingBar bar) {
   return largest;
 }
 
-// m, the largest of all frames, root mean square over the vertices.
+// The largest lag of all frames in m, as root mean square over the vertices.
 double peak_lag(BendingBar bar, double youngs_modulus) {
   bar.model = make_implicit(bar.model, youngs_modulus);
   const Walked result = run(bar, scene::cycle_frames(bar.scene));
@@ -62,13 +63,15 @@ double peak_lag(BendingBar bar, double youngs_modulus) {
   return peak;
 }
 
-// Lines between keys are blows, the harder the shorter the step; the motion has (4 pi)^2 0.12 = 19 m/s^2.
+// Linear keys are impulses, which get harder with shorter steps; the true motion has (4 pi)^2 0.12 = 19
+// m/s^2.
 TEST(FrameRate, SampledKeysAccelerateAlikeAtEveryRate) {
   const double wanted = std::pow(4.0 * std::numbers::pi, 2) * 0.12;
   double slowest = 0.0;
   for (const double fps : {24.0, 60.0, 120.0}) {
-    // The curve follows the wave's acceleration to (omega h)^2/12 = 2 % inside; its ends have one-sided
-    // slopes, which are off by as much as (omega h)^2/3 of the velocity over a key: 15 % of the acceleration.
+    // Inside, the curve matches the acceleration of the wave within (omega h)^2/12 = 2 %. At its ends the
+    // slopes are one-sided, with an error of up to (omega h)^2/3 of the velocity over a key: 15 % of the
+    // acceleration.
     EXPECT_NEAR(largest_acceleration(thrown_bar(scene::KeyInterpolation::smooth, fps)), wanted, 0.2 * wanted);
     const double lines = largest_acceleration(thrown_bar(scene::KeyInterpolation::as_authored, fps));
     if (fps == 24.0) slowest = lines;
@@ -78,8 +81,8 @@ TEST(FrameRate, SampledKeysAccelerateAlikeAtEveryRate) {
   }
 }
 
-// Within a tenth: 14.8 to 15.1 mm here. Lines give 14.7 mm at 24 frames a second and 17.1 at 120, the
-// control.
+// Within a tenth: 14.8 to 15.1 mm here. The control: linear keys give 14.7 mm at 24 fps and 17.1 mm at 120
+// fps.
 TEST(FrameRate, FleshLagsAlikeAtEveryRate) {
   const auto lag = [](scene::KeyInterpolation interpolation, double fps) {
     return peak_lag(thrown_bar(interpolation, fps), 3e4);
@@ -92,7 +95,7 @@ TEST(FrameRate, FleshLagsAlikeAtEveryRate) {
             1.1 * lag(scene::KeyInterpolation::as_authored, 24.0));
 }
 
-// Thrown ever faster along y, at 9.6 m/s^2.
+// Accelerated along y at 9.6 m/s^2.
 BendingBar accelerated_bar() {
   BendingBar bar = bending_bar(0.5);
   std::vector<RootKey> keys;
@@ -114,17 +117,17 @@ TEST(AccelerationLimit, FleshFeelsNoMoreThanTheLimit) {
   const double full = largest_lag(bar);
   EXPECT_GT(full, 5e-3 * bar_height);
   bar.scene.motion.acceleration_limit = 4.8;
-  // Small strains: nearly linear.
+  // Strains are small, so the response is nearly linear.
   EXPECT_NEAR(largest_lag(bar), 0.5 * full, 0.05 * full);
   bar.scene.motion.acceleration_limit = 1e-6;
   EXPECT_LT(largest_lag(bar), 1e-5 * bar_height);
-  // A limit above what there is changes no bit.
+  // A limit above the largest acceleration changes no bit.
   const Walked free = run(accelerated_bar(), 30);
   bar.scene.motion.acceleration_limit = 9.7;
   EXPECT_EQ(run(bar, 30).last, free.last);
 }
 
-// A forearm that a key puts elsewhere within a frame.
+// A forearm that jumps to another angle between two keys.
 BendingBar leaping_bar() {
   BendingBar bar = bending_bar(1.0);
   bar.scene.motion.interpolation = scene::KeyInterpolation::smooth;
@@ -142,7 +145,7 @@ TEST(AccelerationLimit, IsSaidWhereItBites) {
   BendingBar bar = leaping_bar();
   {
     drive::DriveSource drives(bar.scene, bar.model);
-    // The rest positions are floats.
+    // Rest positions are floats.
     EXPECT_NEAR(drives.acceleration_limit(0), drive::default_acceleration_limit * bar_height, 1e-4);
     const auto thrown = drives.thrown();
     ASSERT_EQ(thrown.size(), 1u);
@@ -150,7 +153,7 @@ TEST(AccelerationLimit, IsSaidWhereItBites) {
     EXPECT_GT(thrown[0].time, 11.0 / 24.0 - 1e-9);
     EXPECT_LT(thrown[0].time, 12.0 / 24.0 + 1e-9);
     EXPECT_NEAR(static_cast<double>(thrown[0].frame), thrown[0].time * 60.0, 1.0 + 1e-9);
-    // The smooth step turns by 2 rad in 1/24 s: at its ends 6 x 2 x 24^2 rad/s^2, at 0.3 m and more.
+    // A smooth step turns by 2 rad in 1/24 s: at its ends 6 x 2 x 24^2 rad/s^2, at 0.3 m and more.
     EXPECT_GT(thrown[0].acceleration, 12.0 * 24.0 * 24.0 * 0.3 * 0.7);
     EXPECT_LT(thrown[0].acceleration, 12.0 * 24.0 * 24.0 * 0.35 * 1.1);
   }
@@ -158,13 +161,13 @@ TEST(AccelerationLimit, IsSaidWhereItBites) {
   bar.scene.motion.acceleration_limit = 1e9;
   EXPECT_TRUE(drive::DriveSource(bar.scene, bar.model).thrown().empty());
   EXPECT_LT(bounded, 0.8 * largest_lag(bar));
-  // What artists mean is far below: the swing at 2 Hz.
+  // Intended motion is far below the limit: a swing at 2 Hz.
   BendingBar meant = thrown_bar(scene::KeyInterpolation::smooth, 60.0);
   meant.scene.motion.interpolation = scene::KeyInterpolation::smooth;
   EXPECT_TRUE(drive::DriveSource(meant.scene, meant.model).thrown().empty());
 }
 
-// The bound is a cut, which float solver and Oracle carry by code of their own.
+// The limit is applied as a cut, which the float solver and the Oracle implement separately.
 TEST(AccelerationLimit, TheOracleFeelsTheSame) {
   BendingBar bar = accelerated_bar();
   bar.scene.motion.acceleration_limit = 4.8;

@@ -1,4 +1,4 @@
-// What the skeleton's motion does to the flesh: gravity in turned frames, rest, prerolls, cuts, loops.
+// The effect of the skeleton's motion on flesh: gravity in rotated frames, rest, prerolls, cuts, loops.
 #include <cmath>
 #include <numbers>
 
@@ -32,7 +32,7 @@ double rms_speed(const model::Model& model, const model::State& state) {
   return std::sqrt(sum / static_cast<double>(count));
 }
 
-// A second of swinging, to and fro and along; the motion of the tests below, but for what each adds.
+// A second of swinging and moving along: the base motion of the tests below.
 BendingBar swinging(double seconds = 1.0) {
   BendingBar bar = bending_bar(seconds);
   rig::Clip clip{"swing", seconds, {}};
@@ -46,20 +46,20 @@ BendingBar swinging(double seconds = 1.0) {
   return bar;
 }
 
-// f_i = m_i (g - R_i g): nothing in the bind pose. A thousand frames; float rounding of positions near 1 is
+// f_i = m_i (g - R_i g) vanishes in the bind pose. A thousand frames; float rounding of positions near 1 is
 // 6e-8.
 TEST(Gravity, SculptedBindPoseIsAtRest) {
   BendingBar bar = bending_bar(20.0);
   const Walked sculpted = run(bar, 1000);
   EXPECT_LT(furthest(sculpted.positions.back(), sculpted.positions.front()), 1e-6 * bar_height);
-  // The control: the same body under full gravity sags.
+  // The control: under full gravity the same body sags.
   bar.scene.motion.rest = scene::Rest::weightless;
   const Walked weightless = run(bar, 60);
   EXPECT_GT(furthest(weightless.positions.back(), weightless.positions.front()), 1e-3 * bar_height);
 }
 
-// A body that lies on its side feels g - R g: seen from the body, that is what a body that never turned feels
-// under R^T g - g. Positions near 1 rounded by 6e-8 a substep over 480 substeps, damped.
+// A body on its side feels g - R g: in its own frame, that is what an unrotated body feels under R^T g - g.
+// Positions near 1, rounded by 6e-8 per substep over 480 damped substeps.
 TEST(Gravity, ChangesWithTheBodysFrame) {
   const double angle = 2.0;
   BendingBar lying = bending_bar(1.0);
@@ -83,7 +83,7 @@ TEST(Gravity, ChangesWithTheBodysFrame) {
   EXPECT_GT(moved, 1e-3 * bar_height);
 }
 
-// The clip held still in a bent pose: after it has come to rest nothing creeps, jitters or blows up.
+// A clip that holds a bent pose: once at rest, nothing creeps, jitters or blows up.
 TEST(Gravity, HeldStillNothingMoves) {
   for (const scene::Rest rest : {scene::Rest::sculpted, scene::Rest::weightless}) {
     BendingBar bar = bending_bar(20.0);
@@ -96,7 +96,8 @@ TEST(Gravity, HeldStillNothingMoves) {
   }
 }
 
-// Blending from the bind pose: rigid at the beginning, the pose at the end, limbs of their length between.
+// The blend from the bind pose: rigid at its start, the first pose at its end, and limbs of constant length
+// in between.
 TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
   BendingBar bar = bending_bar(1.0);
   bar.character().clips.push_back(
@@ -121,7 +122,7 @@ TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
     ASSERT_LT((point(first, i) + frame_origin - expected).norm(), 2e-6)
         << "rounding of positions of a few metres";
   }
-  // The preroll's last pose is that of frame 0.
+  // The last pose of the preroll is that of frame 0.
   const model::Drive last = drives.preroll_drive(30);
   const std::vector<shader::Bone> end(last.bones.end() - 2, last.bones.end());
   const model::Drive still = drives.settle_drive();
@@ -138,7 +139,7 @@ TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
   }
 }
 
-// Flesh that had time to follow is not thrown by the first frame.
+// Flesh that has settled is not thrown by the first frame.
 TEST(Preroll, LeavesNoJumpAtFrameOne) {
   BendingBar bar = bending_bar(1.0);
   bar.character().clips.push_back({"bent", 1.0, {turn_channel(1, {0.0}, {1.8})}});
@@ -149,7 +150,7 @@ TEST(Preroll, LeavesNoJumpAtFrameOne) {
   EXPECT_LT(furthest(with.positions[1], with.positions[0]), 1e-4 * bar_height);
   EXPECT_GT(furthest(without.positions[1], without.positions[0]),
             20 * furthest(with.positions[1], with.positions[0]));
-  // Both end in the same place: the rest of the pose.
+  // Both end at the rest position of the pose.
   EXPECT_LT(furthest(with.positions[180], without.positions[180]), 1e-3 * bar_height);
 }
 
@@ -168,7 +169,7 @@ TEST(Settle, EndsWhenTheFleshIsStill) {
   EXPECT_LT(rms_speed(bar.model, led.state), scene::still_speed);
 }
 
-// A clip carried along at 5 m/s: the same frames and the way, to 1e-4 of the height.
+// A clip that also moves at 5 m/s gives the same frames plus the translation, to 1e-4 of the height.
 TEST(Carried, AtConstantSpeedBakesTheSameFrames) {
   const BendingBar standing = swinging();
   BendingBar riding = swinging();
@@ -181,8 +182,8 @@ TEST(Carried, AtConstantSpeedBakesTheSameFrames) {
   EXPECT_GT(furthest(a.positions[30], a.skinned[30]), 1e-3 * bar_height) << "the flesh does lag";
 }
 
-// A teleport by 100 m amid the swing, found by its size: before and after it the flesh is where it would be,
-// carried along.
+// A teleport by 100 m in the middle of the swing, detected by its size: before and after it the flesh is
+// where it would be without it, carried along.
 TEST(Cut, ATeleportCarriesTheFlesh) {
   const BendingBar staying = swinging();
   BendingBar jumping = swinging();
@@ -197,9 +198,9 @@ TEST(Cut, ATeleportCarriesTheFlesh) {
   }
 }
 
-// The same jump between the keys of a linear channel 1/24 s apart, as programs export it: it takes two and a
-// half frames. The flesh comes out of it as it went in; what it does not feel meanwhile is the swing's own
-// acceleration over 20 substeps, so the tolerance is that of a lag, not of rounding.
+// The same jump between keys of a linear channel 1/24 s apart, as exporters write it: it takes two and a half
+// frames. The flesh leaves it as it entered. It misses the swing's own acceleration over 20 substeps, so the
+// tolerance is that of a lag, not of rounding.
 TEST(Cut, ATeleportBetweenLinearKeysCarriesTheFleshToo) {
   const BendingBar staying = swinging();
   BendingBar jumping = swinging();
@@ -211,7 +212,7 @@ TEST(Cut, ATeleportBetweenLinearKeysCarriesTheFleshToo) {
     ASSERT_LT(furthest(b.positions[k], a.positions[k], away), 1e-2 * bar_height) << "frame " << k;
 }
 
-// A small jump is carried where it is marked; unmarked it is a blow, which is the control.
+// A small jump is carried if it is marked. The control: unmarked, it is felt as an impulse.
 TEST(Cut, AMarkedJumpIsCarriedAndAnUnmarkedOneIsFelt) {
   const BendingBar staying = swinging();
   BendingBar jumping = swinging();
@@ -227,13 +228,13 @@ TEST(Cut, AMarkedJumpIsCarriedAndAnUnmarkedOneIsFelt) {
   EXPECT_GT(furthest(felt.positions[32], a.positions[32], aside), 1e-2 * bar_height);
 }
 
-// A cut that turns the body by a right angle turns its flesh and the flesh's motion.
+// A cut that rotates the body by 90 degrees rotates its flesh and the flesh's velocity.
 TEST(Cut, TurnsTheFleshAndItsMotion) {
   BendingBar bar = swinging();
-  bar.scene.gravity.setZero();  // which does not turn
+  bar.scene.gravity.setZero();  // gravity does not rotate with the body
   const Walked straight = run(bar, 60);
   const double angle = 0.5 * std::numbers::pi;
-  // Before the key the one angle, from it on the other.
+  // Angle 0 before the key, `angle` from it on.
   rig::Channel turn = turn_channel(0, {0.0, 0.504}, {0.0, angle});
   turn.interpolation = Interpolation::step;
   bar.character().clips[0].channels.push_back(turn);
@@ -248,7 +249,7 @@ TEST(Cut, TurnsTheFleshAndItsMotion) {
           << "frame " << k;
 }
 
-// The float solver and the Oracle carry by code of their own.
+// The float solver and the Oracle implement cuts separately.
 TEST(Cut, TheOracleCarriesAlike) {
   BendingBar bar = swinging();
   bar.character().clips[0].channels.push_back(
@@ -265,8 +266,8 @@ TEST(Cut, TheOracleCarriesAlike) {
   EXPECT_LT(distance.largest, 6e-5);
 }
 
-// The skeleton is jerked aside. Flesh with an inertia scale of 0 goes along as if nothing were; with 1 it
-// trails, and in between less.
+// The skeleton is jerked sideways. With an inertia scale of 0 flesh moves along rigidly; with 1 it trails,
+// and in between it trails less.
 TEST(InertiaScale, IsTheShareOfTheSkeletonsAccelerationThatFleshFeels) {
   BendingBar bar = bending_bar(1.0);
   std::vector<RootKey> keys;
@@ -300,7 +301,7 @@ TEST(Loop, RepeatsWholeCyclesAndHoldsTheEnd) {
     ASSERT_LT(furthest(result.skinned[120 + k], result.skinned[k]), 1e-9);
   }
   for (std::size_t k = 181; k <= 210; ++k) ASSERT_EQ(furthest(result.skinned[k], result.skinned[180]), 0.0);
-  // The flesh forgets how it began: from cycle to cycle it differs less.
+  // The effect of the start fades: successive cycles differ less and less.
   EXPECT_LT(furthest(result.positions[170], result.positions[110]),
             0.5 * furthest(result.positions[110], result.positions[50]));
 }
@@ -315,7 +316,7 @@ TEST(Loop, CyclesAreWholeFrames) {
   EXPECT_LT(furthest(result.skinned[31], result.skinned[0]), 1e-6 * bar_height);
 }
 
-// A walk away that is played again from its beginning: the flesh is carried back.
+// A forward walk that loops: at each loop the flesh is carried back to the start.
 TEST(Loop, AClipThatDoesNotReturnIsCutAtItsEnd) {
   BendingBar bar = swinging();
   bar.character().clips[0].channels.push_back(root_channel({{0.0, {0, 0, 0}}, {1.0, {1.5, 0, 0}}}));

@@ -1,4 +1,4 @@
-// What poses make of muscles: tau, activation, contraction and twist, against angles known by construction.
+// Muscle inputs from poses: tau, activation, contraction and twist, for angles known by construction.
 #include "host/drive/muscle_drive.h"
 
 #include <cmath>
@@ -17,10 +17,10 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
 constexpr double degree = std::numbers::pi / 180.0;
-// Of floats near 1.
+// Float rounding near 1.
 constexpr double rounding = 1e-6;
 
-// The arm made in code: its joints lie along x and the elbow folds about z, towards +y.
+// The generated arm: its joints are along x and the elbow bends about z, towards +y.
 struct Arm {
   scene::Scene scene;
   const rig::Character& character() const { return std::get<rig::Character>(scene.geometry); }
@@ -36,7 +36,7 @@ Arm arm_with(const scene::Muscle& muscle, const std::string& made = "arm") {
 }
 
 // The arm's bind pose with the forearm turned about the elbow, the hand about the forearm's axis, and the
-// whole about the shoulder.
+// whole arm about the shoulder.
 drive::Pose posed(const rig::Character& arm, double elbow_degrees, double hand_radians = 0.0,
                   const Eigen::Matrix3d& whole = Eigen::Matrix3d::Identity()) {
   drive::Pose pose;
@@ -79,7 +79,7 @@ TEST(MuscleDrive, ActivationRisesWithTheAngleAndTauIsTheFoldingSide) {
   for (const double angle : {0.0, 3.0, 46.0, 90.0, 130.0, 160.0}) {
     const double activation = (1.0 - std::cos(angle * degree)) / 2.0;
     expect_tau(value_of(arm, posed(arm.character(), angle)), activation * Vector3d::UnitY());
-    // Wherever the arm points, tau is a direction of its rest pose.
+    // Tau is a rest-space direction, whatever way the arm points.
     expect_tau(value_of(arm, posed(arm.character(), angle, 0.0, whole)), activation * Vector3d::UnitY());
   }
 }
@@ -96,7 +96,7 @@ TEST(MuscleDrive, NothingInTheBindPoseEvenIfItIsBent) {
 
 TEST(MuscleDrive, BelowFiveDegreesTheClipsHingeLeads) {
   const Arm arm = arm_with({.name = "m", .joint = "forearm"}, "arm-bent");
-  // Stretched beyond straight by 2 degrees: the fold is on the other side, but has no say yet.
+  // Extended 2 degrees past straight: the elbow bends the other way, which does not count yet.
   const double activation = (std::cos(46.0 * degree) - std::cos(2.0 * degree)) / 2.0;
   expect_tau(value_of(arm, posed(arm.character(), -48.0)), activation * Vector3d::UnitY());
 }
@@ -110,14 +110,14 @@ TEST(MuscleDrive, FormsOfActivation) {
   expect_tau(
       value_of(arm_with({.name = "m", .joint = "forearm", .axis = scene::BulgeAxis::plane_normal}), pose),
       (1.0 - std::cos(angle)) / 2.0 * Vector3d::UnitZ());
-  // 3/4 of the way from 0.25 to 1, less the curve's 0.25 in the bind pose.
+  // 3/4 of the way from 0.25 to 1, minus the curve's 0.25 in the bind pose.
   expect_tau(
       value_of(arm_with({.name = "m", .joint = "forearm", .curve = {{0.0, 0.25}, {160.0, 1.25}}}), pose),
       0.75 * Vector3d::UnitY());
 }
 
-// On the lower bone tau stands across that one: at 90 degrees it points back along the upper bone, which is
-// +y turned back to rest.
+// On the lower bone tau is perpendicular to that bone: at 90 degrees it points back along the upper bone,
+// which is +y rotated back to rest.
 TEST(MuscleDrive, OnTheLowerBone) {
   const Arm arm = arm_with({.name = "m", .joint = "forearm", .bone = "forearm"});
   for (const double angle : {46.0, 90.0, 130.0})

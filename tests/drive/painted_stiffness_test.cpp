@@ -1,5 +1,4 @@
-// Stiffness painted on flesh whose stiffness is in physical units: against moduli that are stated, and
-// against rod theory.
+// Painted stiffness on flesh with physical units, compared with stated moduli and with rod theory.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -35,7 +34,7 @@ void paint(rig::Character& character, double (*stiffness_at)(const Vector3d&)) {
   character.painted = {painted};
 }
 
-// Fat on muscle on bone, in two of the forms that a layer says its stiffness in.
+// Fat on muscle on bone, with stiffness given as a modulus and as a frequency.
 scene::Scene arm_scene(double modulus, double (*stiffness_at)(const Vector3d&)) {
   scene::Scene scene;
   scene.source = "test";
@@ -58,13 +57,14 @@ scene::Scene arm_scene(double modulus, double (*stiffness_at)(const Vector3d&)) 
   return scene;
 }
 
-// Powers of two change no digit.
+// Factors that are powers of two are exact.
 TEST(PaintedStiffness, IsAFactorOnTheLayersModulus) {
   const model::Model plain = built(arm_scene(4e3, nullptr));
   const model::Model one = built(arm_scene(4e3, [](const Vector3d&) { return 1.0; }));
-  // Shares of the skin's corners add up to 1 but for rounding.
+  // Barycentric weights on the skin add up to 1 only up to rounding.
   for (std::uint32_t i = 0; i < plain.vertex_count; ++i)
-    EXPECT_NEAR(one.stiffness[i], plain.stiffness[i], 1e-12 * plain.stiffness[i]) << "1: as the layer says";
+    EXPECT_NEAR(one.stiffness[i], plain.stiffness[i], 1e-12 * plain.stiffness[i])
+        << "a factor of 1 changes nothing";
   for (const double factor : {4.0, 0.5}) {
     const model::Model painted = built(arm_scene(
         4e3, factor == 4.0 ? [](const Vector3d&) { return 4.0; } : [](const Vector3d&) { return 0.5; }));
@@ -73,13 +73,13 @@ TEST(PaintedStiffness, IsAFactorOnTheLayersModulus) {
     const model::Model other = built(stated);
     ASSERT_EQ(painted.vertex_count, other.vertex_count);
     for (std::uint32_t i = 0; i < painted.vertex_count; ++i)
-      // A frequency's modulus goes by a square of a root here.
+      // Here the modulus of a frequency is the square of a square root.
       EXPECT_NEAR(painted.stiffness[i], other.stiffness[i], 1e-12 * other.stiffness[i]) << i;
     EXPECT_NE(bake::model_hash(painted), bake::model_hash(plain)) << "the control";
   }
 }
 
-// Flesh that is painted with nothing, or with too much, can still be built.
+// Flesh painted with zero or with a huge value can still be built.
 TEST(PaintedStiffness, HasBounds) {
   const model::Model plain = built(arm_scene(4e3, nullptr));
   const model::Model least = built(arm_scene(4e3, [](const Vector3d&) { return 0.0; }));
@@ -92,7 +92,7 @@ TEST(PaintedStiffness, HasBounds) {
 
 constexpr double length = 0.8, width = 0.1, held = 0.08;  // m
 
-// A rod from y = 0 up, on one joint that stands still.
+// A rod up from y = 0, on one still joint.
 rig::Character rod() {
   constexpr std::uint32_t around = 16, up = 32;
   rig::Character rod;
@@ -101,7 +101,7 @@ rig::Character rod() {
   joint.skins = true;
   rod.skeleton = {joint};
   auto& vertices = rod.surface.vertices;
-  // The square's edge, evenly.
+  // Evenly spaced along the square's edge.
   const auto place = [](std::uint32_t a, double y) {
     const std::uint32_t side = a / 4;
     const double along = width * (a % 4) / 4.0 - width / 2.0;
@@ -130,7 +130,7 @@ rig::Character rod() {
   return rod;
 }
 
-// How far the free end of the rod has come down where a force at it has pulled it for long.
+// The displacement of the rod's free end at rest under a force.
 double sag(double (*stiffness_at)(const Vector3d&)) {
   scene::Scene scene;
   scene.source = "test";
@@ -178,19 +178,19 @@ double sag(double (*stiffness_at)(const Vector3d&)) {
   return sum / count;
 }
 
-// A force F at the end of a rod of section A stretches it by (F/A) times the integral of dx/E. With its upper
-// half four times as stiff that is 1/8 + 1/2 of what it is without.
+// A force F at the end of a rod of section A stretches it by F/A times the integral of dx/E. If its upper
+// half is four times as stiff, that is 1/8 + 1/2 of the even rod's stretch.
 TEST(PaintedStiffness, ARodHalfOfWhichIsStifferStretchesByTheClosedForm) {
   constexpr double middle = (length - held) / 2.0;
   const double even = sag([](const Vector3d&) { return 1.0; });
   const double half = sag([](const Vector3d& p) { return p[1] > middle ? 4.0 : 1.0; });
   const double all = sag([](const Vector3d&) { return 4.0; });
-  // F L / (A E). The mesh has three edges across, and both ends are held or pulled over half an edge of 18:
-  // it is stiffer by some 15 %, which cancel in the ratios.
+  // F L / (A E). The mesh has three edges across, and both ends are held or pulled over half an edge of 18,
+  // so it is stiffer by about 15 %, which cancels in the ratios.
   EXPECT_NEAR(even, 10.0 * (length - held) / (width * width * 5e4), 0.2 * even);
   EXPECT_NEAR(all / even, 0.25, 0.01) << "linear but for the change of section: 1.4 % of stretch";
-  // The paint's rim lies within an edge of the middle: 1/18 of the free length, on which the ratio depends
-  // with a slope of 3/4.
+  // The edge of the paint is within an edge of the middle: 1/18 of the free length, on which the ratio
+  // depends with a slope of 3/4.
   EXPECT_NEAR(half / even, 0.625, 0.04);
   EXPECT_GT(std::abs(half / even - 1.0), 0.2) << "the control: paint acts";
 }

@@ -1,4 +1,4 @@
-// Props: characters that are rigid, still or held by a joint of another one. They push flesh.
+// Props: rigid characters, still or held by a joint of another character. They push flesh.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -40,7 +40,7 @@ Vector3d image(const Matrix4d& map, const Vector3d& p) {
 
 const std::string meets = "self = true\n", does_not_meet = "ignore = [[\"a\", \"b\"]]\n";
 
-// Beside the arm, in its flesh by a third of its thickness; numbers that floats hold.
+// Beside the arm, a third of its thickness deep in its flesh; exact in float.
 const Box beside_arm{{0.0625, -0.15625, 0.03125}, {0.4375, 0.15625, 0.34375}};
 
 void write(const std::filesystem::path& file, const GltfBuilder& builder) {
@@ -50,8 +50,7 @@ void write(const std::filesystem::path& file, const GltfBuilder& builder) {
 }
 
 // A still mesh pushes flesh out and stays where the scene puts it. The control: without contact the flesh
-// lies in it. `at` is where the file's origin stands: the same box, given elsewhere in its file, does the
-// same.
+// overlaps it. `at` places the file's origin: the same box elsewhere in its file gives the same result.
 TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
   constexpr std::uint64_t frames = 12;
   write_box(folder() / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
@@ -67,22 +66,22 @@ TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
   const model::OverlapMeter meter(with.model);
   EXPECT_GT(meter.of(without.last.positions).volume, 1e-5) << "m^3";
   EXPECT_LT(meter.of(with.last.positions).volume, 0.25 * meter.of(without.last.positions).volume);
-  EXPECT_LT(mean_move(with, without, 0).z(), -5e-4) << "m: away from the box, in the mean of the arm";
+  EXPECT_LT(mean_move(with, without, 0).z(), -5e-4) << "m: the arm's mean, away from the box";
   EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
   const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
   ASSERT_EQ(prop.vertex_count, 8u);
   for (std::size_t k = 0; k < 8; ++k) {
     const Vector3d corner(k & 1 ? 0.45 : 0.05, k & 2 ? 0.15 : -0.15, k & 4 ? 0.34 : 0.04);
-    // Floats of places up to 2 m.
+    // Floats of positions up to 2 m.
     EXPECT_LT((with.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
     EXPECT_LT((moved.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
   }
-  // Rounding of the corners gives the box another cage, and so another depth below its surface.
+  // Rounding of the corners gives the box a different cage, and so a different depth below its surface.
   EXPECT_NEAR(mean_move(moved, without, 0).z(), mean_move(with, without, 0).z(),
               0.25 * std::abs(mean_move(with, without, 0).z()));
 }
 
-// The arm beside a prop in one of these files, with contact.
+// The arm beside a prop from this file, with contact.
 Walk beside_prop(const std::string& file, const std::filesystem::path& folder,
                  const std::string& resolution = "resolution = 0.05\n") {
   return walk(arm("character.a") + "[character.b]\nrigid = true\nfile = \"" + file + "\"\n" + resolution +
@@ -92,7 +91,7 @@ Walk beside_prop(const std::string& file, const std::filesystem::path& folder,
 
 TEST_F(Props, AStillGltfIsTheSameMesh) {
   write_box(folder() / "box.obj", beside_arm.low, beside_arm.high);
-  // Below a node at the origin, where the mesh's joint stands too: the frame's origin goes by the joints.
+  // Under a node at the origin, like the joint of the mesh: the frame's origin depends on the joints.
   GltfBuilder below = boxes({beside_arm});
   below.document["nodes"].push_back({{"name", "thing"}, {"children", {0}}});
   below.document["scenes"][0]["nodes"] = {1};
@@ -103,7 +102,7 @@ TEST_F(Props, AStillGltfIsTheSameMesh) {
   EXPECT_EQ(gltf.scene.motion.interpolation, mesh.scene.motion.interpolation);
 }
 
-// The parts of a prop that are small beside the whole are no ornaments that ride on it: they push.
+// Small parts of a prop are not ornaments that ride on it: they push too.
 TEST_F(Props, EveryPartPushes) {
   const Box far{{3.0, 0.0, 3.0}, {3.6, 0.6, 3.6}}, further{{3.0, 0.0, 5.0}, {3.6, 0.6, 5.6}};
   write(folder() / "near.glb", boxes({beside_arm}));
@@ -113,11 +112,11 @@ TEST_F(Props, EveryPartPushes) {
              none = beside_prop("far.glb", folder());
   const Vector3d pushed = mean_move(near, none, 0);
   EXPECT_LT(pushed.z(), -3e-4) << "m";
-  // The cage is another, and so is the depth below its surface.
+  // The cage differs, and so does the depth below its surface.
   EXPECT_LT((mean_move(both, none, 0) - pushed).norm(), 0.25 * pushed.norm());
 }
 
-// So does a thing of few corners that a clip moves; here it stays where it is.
+// So does a mesh of few corners with a clip; here it keeps its place.
 TEST_F(Props, AThingWithAClipPushes) {
   write(folder() / "far.glb", boxes({{{3.0, 0.0, 3.0}, {3.5, 0.5, 3.5}}}));
   write(folder() / "still.glb", boxes({beside_arm}));
@@ -134,11 +133,11 @@ TEST_F(Props, AThingWithAClipPushes) {
              none = beside_prop("far.glb", folder(), coarse);
   const Vector3d pushed = mean_move(still, none, 0);
   EXPECT_LT(pushed.z(), -3e-4) << "m";
-  // A clip from a file is smooth, which bounds what the arm's flesh feels.
+  // A clip from a file is smoothed, and the acceleration that the arm's flesh feels is limited.
   EXPECT_LT((mean_move(moved, none, 0) - pushed).norm(), 0.1 * pushed.norm());
 }
 
-// contact.self is about a character's own flesh: what is another's meets it, without a word in the scene.
+// contact.self is about a character's own flesh. Contact with other characters needs no key.
 TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
   write_box(folder() / "box.obj", beside_arm.low, beside_arm.high);
   const auto beside = [&](const std::string& contact) {
@@ -151,7 +150,7 @@ TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
   EXPECT_FALSE(none.model.has_contact());
   const Vector3d pushed = mean_move(self, none, 0);
   EXPECT_LT(pushed.z(), -3e-4) << "m";
-  // A straight arm's flesh hardly meets itself.
+  // A straight arm's flesh hardly touches itself.
   EXPECT_LT((mean_move(others, none, 0) - pushed).norm(), 0.05 * pushed.norm());
 
   const std::uint32_t first = others.scene.characters.at(1).first_joint;
@@ -168,10 +167,10 @@ TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
     }
   EXPECT_GT(of_either[0], 0u);
   EXPECT_GT(of_either[1], 0u);
-  EXPECT_TRUE(self.model.contact_group.empty()) << "no group is needed where all meet";
+  EXPECT_TRUE(self.model.contact_group.empty()) << "no groups are needed if all flesh meets";
 }
 
-// Flesh stays away from a prop by its thickness: it pushes as one that is larger by that, and looks as it is.
+// Flesh keeps a distance of `thickness` from a prop: the prop pushes like a larger one, but looks unchanged.
 TEST_F(Props, HaveAThickness) {
   const double thickness = 0.03125;
   write_box(folder() / "larger.obj", beside_arm.low, beside_arm.high);
@@ -184,9 +183,9 @@ TEST_F(Props, HaveAThickness) {
   const Vector3d pushed = mean_move(larger, none, 0);
   EXPECT_LT(pushed.z(), -3e-4) << "m";
   EXPECT_LT(mean_move(bare, none, 0).norm(), 0.25 * pushed.norm());
-  // Edges and corners are round, and the cage is another.
+  // Edges and corners are rounded, and the cage differs.
   EXPECT_LT((mean_move(with, none, 0) - pushed).norm(), 0.25 * pushed.norm());
-  // The skin that is drawn is the box's own; floats of places up to 2 m.
+  // The visible skin is the box itself; floats of positions up to 2 m.
   const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
   for (unsigned c = 0; c < 8; ++c)
     EXPECT_LT(
@@ -195,8 +194,8 @@ TEST_F(Props, HaveAThickness) {
         1e-6);
 }
 
-// What is thinner than its tetrahedra has no depth to push by. A warning says how fine it must be, and is
-// right about it.
+// A prop thinner than its tetrahedra has no depth to push with. A warning says how fine it must be, and that
+// resolution does work.
 TEST_F(Props, ThinOnesAreWarnedOf) {
   write_box(folder() / "plate.obj", {0, 0, 0}, {0.125, 0.02, 0.125});
   write_box(folder() / "rod.obj", {0, 0, 0}, {0.02, 0.25, 0.02});
@@ -227,8 +226,8 @@ TEST_F(Props, ThinOnesAreWarnedOf) {
   }
 }
 
-// A prop in a hand that is bent in the bind pose stands where the hand's flesh is carried, from frame 0 on:
-// in the bind pose it is `at` from the joint, and turned by `turn` along the axes of the file.
+// A prop in a hand that is bent in the bind pose follows the hand's flesh, from frame 0 on: in the bind pose
+// it is `at` from the joint, rotated by `turn` in the axes of the file.
 TEST_F(Props, AHeldOneGoesWithItsJoint) {
   constexpr std::uint64_t frames = 60;
   const Vector3d low(-0.1, -0.02, -0.02), high(0.5, 0.02, 0.02), at(0.02, 0.03, 0.01), turn(0, 20, 50);
@@ -253,7 +252,8 @@ TEST_F(Props, AHeldOneGoesWithItsJoint) {
       const Vector3d expected =
           image(carried, joint_place + at + scene::turned_by(turn) * corner_of(low, high, c));
       const Vector3d& found = held.surface[k][prop.first_vertex + c];
-      // Floats of places up to 4 m, the bind pose's beside the arm, in the solver and in the joints' maps.
+      // Floats of positions up to 4 m, including the bind pose beside the arm, in the solver and in the
+      // joints' maps.
       EXPECT_LT((found - expected).norm(), 4.0 * 4.8e-7) << k;
       moved = std::max(moved, (found - held.surface[0][prop.first_vertex + c]).norm());
     }
@@ -261,7 +261,7 @@ TEST_F(Props, AHeldOneGoesWithItsJoint) {
   EXPECT_GT(moved, 0.1) << "m";
 }
 
-// While the bind pose goes over into the first pose, too.
+// Also while the preroll blends from the bind pose to the first pose.
 TEST_F(Props, AHeldOneKeepsToItsJointInThePreroll) {
   write_box(folder() / "sword.obj", {-0.1, -0.02, -0.02}, {0.5, 0.02, 0.02});
   const scene::Scene scene = scene::parse_scene(
@@ -282,18 +282,18 @@ TEST_F(Props, AHeldOneKeepsToItsJointInThePreroll) {
   double moved = 0.0;
   for (const double share : {0.0, 0.25, 0.5, 1.0}) {
     const drive::Pose pose = timeline.preroll_pose(share);
-    // Doubles of lengths up to 2 m, some ten products deep.
+    // Doubles of lengths up to 2 m, about ten products deep.
     for (const std::size_t k : {std::size_t{1}, std::size_t{2}})
       EXPECT_LT((relative(pose, k) - relative(first, k)).norm(), 1e-13) << share;
     const std::size_t sword = scene.characters[1].first_joint;
     EXPECT_LT((pose[sword].inverse() * pose[sword + 1] - Matrix4d::Identity()).norm(), 1e-13)
-        << "what does not move by itself stays";
+        << "a joint without motion of its own stays";
     moved = std::max(moved, (pose[sword] - first[sword]).norm());
   }
   EXPECT_GT(moved, 0.1);
 }
 
-// What a joint bears that stands still pushes as what stands at that place by itself.
+// A prop held by a still joint pushes like a free one at the same place.
 TEST_F(Props, OneThatIsHeldStillPushesAsAFreeOne) {
   constexpr std::uint64_t frames = 6;
   write_box(folder() / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
@@ -307,13 +307,12 @@ TEST_F(Props, OneThatIsHeldStillPushesAsAFreeOne) {
              elsewhere = beside("at = [0, 0, 1]\n");
   const Vector3d pushed = mean_move(free, elsewhere, 0);
   EXPECT_LT(pushed.z(), -3e-4) << "m";
-  // The frame's origin is another, so that places are rounded otherwise; contacts begin a substep earlier or
-  // later for it.
+  // The frame's origin differs, and so does rounding; contacts may begin a substep earlier or later.
   EXPECT_LT((mean_move(held, elsewhere, 0) - pushed).norm(), 0.02 * pushed.norm());
 }
 
-// A root that goes further than its body's extent in a frame has jumped, which carries all flesh along. What
-// a hand holds is small and fast, and has not.
+// A root that moves further than its body's extent in one frame has jumped, which carries all flesh along. A
+// held prop is small and fast, but does not jump.
 TEST_F(Props, AHeldOneDoesNotJump) {
   write_box(folder() / "ring.obj", {-0.002, -0.002, -0.002}, {0.002, 0.002, 0.002});
   const scene::Scene scene = scene::parse_scene(
@@ -331,8 +330,8 @@ TEST_F(Props, AHeldOneDoesNotJump) {
     furthest = std::max(furthest, (timeline.pose(k)[ring].topRightCorner<3, 1>() - before).norm());
     EXPECT_FALSE(timeline.is_cut(k)) << k;
   }
-  EXPECT_GT(furthest, extents[1]) << "m, in a frame; or this test says nothing";
-  // Nor is the frame's origin between the two.
+  EXPECT_GT(furthest, extents[1]) << "m per frame: the ring is too slow for this test";
+  // The held prop does not shift the frame's origin either.
   const drive::Pose& pose = timeline.pose(0);
   EXPECT_EQ(timeline.root(pose), Vector3d(pose[1].topRightCorner<3, 1>()));
 }

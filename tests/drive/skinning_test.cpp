@@ -1,4 +1,4 @@
-// Skinning against an independent evaluation: a glTF file's own matrices, read here and multiplied out in
+// Skinning compared with an independent evaluation: a glTF file's own matrices, read here and multiplied in
 // double, sum over joints of w_k G_k(t) IBM_k p.
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using nlohmann::json;
 
-// Just enough of glTF for files with float or unsigned accessors in one binary chunk.
+// Minimal glTF reader for files with float or unsigned accessors in one binary chunk.
 class Glb {
  public:
   explicit Glb(const std::filesystem::path& path) {
@@ -83,7 +83,7 @@ struct Trs {
   Quaterniond rotation = Quaterniond::Identity();
 };
 
-// World matrices of all nodes: as the file holds them, or at time t of the first animation, linear channels.
+// World matrices of all nodes: at rest, or at time t of the first animation with linear channels.
 std::vector<Matrix4d> world_matrices(const Glb& glb, std::optional<double> time = {}) {
   const json& nodes = glb.document["nodes"];
   std::vector<Trs> trs(nodes.size());
@@ -142,7 +142,7 @@ std::vector<Matrix4d> world_matrices(const Glb& glb, std::optional<double> time 
   return world;
 }
 
-// The first skinned mesh's first primitive, skinned at time t.
+// The first primitive of the first skinned mesh, skinned at time t.
 std::vector<Vector3d> skinned_by_file(const Glb& glb, double t) {
   const std::vector<Matrix4d> world = world_matrices(glb, t);
   const json& nodes = glb.document["nodes"];
@@ -176,7 +176,7 @@ std::vector<Vector3d> skinned_by_file(const Glb& glb, double t) {
   return points;
 }
 
-// The render mesh itself as the body: every vertex kinematic, none with neighbours.
+// The render mesh itself as the body: every vertex kinematic, without neighbours.
 model::Model model_of(const rig::Character& character) {
   model::Model m;
   m.vertex_count = static_cast<std::uint32_t>(character.surface.vertices.size());
