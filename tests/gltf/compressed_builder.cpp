@@ -104,7 +104,7 @@ GltfBuilder with_draco(int method) {
   json& primitive = b.document["meshes"][0]["primitives"][0];
   primitive["extensions"][draco_name] = {
       {"bufferView", view}, {"attributes", {{"POSITION", 0}, {"JOINTS_0", 1}, {"WEIGHTS_0", 2}}}};
-  // As such files have them: without bytes of their own.
+  // Accessors of Draco files have no data.
   for (const std::size_t accessor : {0u, 1u, 2u, 3u}) {
     b.document["accessors"][accessor].erase("bufferView");
     b.document["accessors"][accessor].erase("byteOffset");

@@ -8,10 +8,10 @@ namespace fascicle::tests {
 inline constexpr const char* meshopt = "EXT_meshopt_compression";
 inline constexpr const char* draco_name = "KHR_draco_mesh_compression";
 
-// Every view of the column compressed; the plain bytes stand nowhere.
+// The column with all views compressed, without the uncompressed bytes.
 nlohmann::json with_meshopt(const GltfBuilder& b, const char* extension = meshopt);
 
-// Its geometry as Draco has it; `method` is a draco::MeshEncoderMethod.
+// The column's geometry as Draco; `method` is a draco::MeshEncoderMethod.
 GltfBuilder with_draco(int method);
 
 }  // namespace fascicle::tests

@@ -1,5 +1,5 @@
-// Characters of other formats: against Blender, which writes one character as glTF, FBX and Collada, against
-// the formula of FBX's transforms, and with files that mean no good.
+// Characters in other formats: compared with Blender, which writes one character as glTF, FBX and Collada,
+// and with the formula of FBX's transforms; and malicious files.
 
 #include "host/gltf/convert.h"
 
@@ -47,7 +47,7 @@ std::vector<Vector3d> skinned(const Character& character, const rig::Clip* clip,
   return result;
 }
 
-// Of any point of the one to the nearest of the other: their vertices have orders and seams of their own.
+// The largest distance of a point to the nearest point of the other set: vertex orders and seams differ.
 double distance(const std::vector<Vector3d>& one, const std::vector<Vector3d>& other) {
   double largest = 0.0;
   for (const Vector3d& p : one) {
@@ -126,7 +126,7 @@ TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
   EXPECT_EQ(read("post.fbx").clips[0].name, "Rig|bend");
 }
 
-// m, of the largest move that shapes make at a time.
+// The largest displacement by blend shapes at a time, m.
 double most_shaped(const gltf::Rig& rig, const std::string& clip, double time) {
   double largest = 0.0;
   for (const gltf::RigPart& part : rig.parts) {
@@ -166,7 +166,7 @@ TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
         EXPECT_EQ(what.find('\n'), std::string::npos) << what;
       }
     }
-    // Any end but a message or a character ends this test too.
+    // Anything but an error or a character fails this test too.
     for (int i = 0; i < 12; ++i) {
       std::string damaged = whole;
       for (int k = 0; k < 20; ++k) damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
@@ -178,12 +178,12 @@ TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
   }
 }
 
-// A plate on a turning node, in text: 40 lines are an FBX file.
+// A plate on a rotating node, as text: 40 lines make an FBX file.
 struct Post {
   std::string properties = {};
   int up = 1, up_sign = 1, right = 0, right_sign = 1;
   double unit = 1.0;       // cm
-  bool has_still = false;  // keys at 0 and 2 s where the plate is, below the turning node
+  bool has_still = false;  // constant translation keys of the plate at 0 and 2 s
 };
 
 std::string property(const std::string& name, double x, double y, double z) {
@@ -194,7 +194,7 @@ std::string property(const std::string& name, double x, double y, double z) {
 
 constexpr double ticks_a_second = 46186158000.0, degree = 3.14159265358979323846 / 180.0;
 
-// Turns by 0 to 90 degrees about Z within a second, 30 frames.
+// Rotates by 0 to 90 degrees about Z in a second, 30 frames.
 std::string fbx_of(const Post& post) {
   std::ostringstream out;
   out << "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
@@ -238,7 +238,7 @@ std::string fbx_of(const Post& post) {
   return out.str();
 }
 
-// A plate that hangs on one joint, below a node, as Blender would write it. The clip leaves it alone for 2 s.
+// A plate skinned to one joint below a node, as Blender would write it. The clip holds it still for 2 s.
 std::string dae_of(const std::string& top, const std::string& joint) {
   const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
   const auto numbers = [](const std::string& id, int count, const std::string& values, int width,
@@ -304,7 +304,7 @@ Eigen::Affine3d moved(double x, double y, double z) {
 
 const std::vector<Vector3d> plate{{0, 0, 0}, {10, 0, 0}, {0, 20, 0}, {0, 0, 30}};
 
-// `local` at an angle of the turn, in the file's axes and unit; `world` takes those to metres.
+// `local` gives the transform at an angle, in the file's axes and unit; `world` converts those to metres.
 template <typename Local>
 void expect_motion(const std::string& text, const Eigen::Matrix3d& world, const Local& local) {
   const TemporaryFolder folder;
@@ -328,7 +328,7 @@ TEST(Fbx, axes_and_unit_become_metres_with_y_up) {
   world << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   expect_motion(fbx_of(post), 0.0254 * world,
                 [](double angle) { return moved(1, 2, 3) * turned(0, 0, angle); });
-  // Control: in the centimetres that most files have, the plate stands elsewhere.
+  // Control: in centimetres, the usual unit, the plate would be elsewhere.
   const Eigen::Matrix3d inches = 0.0254 * world;
   std::vector<Vector3d> in_inches;
   for (const Vector3d& p : plate) in_inches.push_back(inches * (moved(1, 2, 3) * p));
@@ -357,7 +357,7 @@ TEST(Fbx, nodes_turn_about_their_pivots) {
   });
 }
 
-// What stands still is left out, but not the time that it stands.
+// Constant channels are dropped, but they still extend the clip.
 TEST(Converter, clips_last_to_their_last_key) {
   const TemporaryFolder folder;
   const Character held = gltf::read_gltf(folder.write("held.fbx", fbx_of({.has_still = true})));
@@ -389,7 +389,7 @@ TEST(Fbx, files_that_mean_no_good_get_one_message) {
   EXPECT_EQ(refused("good.fbx", good), "");
   EXPECT_NE(refused("empty.fbx", "").find("it is empty"), std::string::npos);
   EXPECT_NE(refused("noise.fbx", "\x01\x02 noise").find("cannot be read"), std::string::npos);
-  // A header alone that promises blocks of 4 GiB.
+  // Just a header that announces blocks of 4 GiB.
   std::string binary = "Kaydara FBX Binary  ";
   binary += std::string("\0\x1a\0\xe8\x1c\0\0", 7) + std::string(64, '\xff');
   EXPECT_NE(refused("huge.fbx", binary).find("cannot be read"), std::string::npos);
@@ -399,18 +399,19 @@ TEST(Fbx, files_that_mean_no_good_get_one_message) {
   std::string nothing = good;
   nothing.replace(nothing.find("C: \"OO\",12,11"), 13, "");
   EXPECT_NE(refused("nothing.fbx", nothing).find("holds no mesh"), std::string::npos);
-  // By its name an FBX file, by its content one that would open others.
+  // Named as an FBX file, but in a format that opens other files.
   EXPECT_NE(
       refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
       std::string::npos);
-  // Names as assimp gives the links of an FBX node: in Collada, names like others, above all and of a joint.
+  // Names that assimp gives parts of an FBX node are ordinary names in Collada, for the top node and for a
+  // joint.
   const Character named = gltf::read_gltf(
       folder.write("links.dae", dae_of("Top_$AssimpFbx$_Rotation", "Bone_$AssimpFbx$_Rotation")));
   EXPECT_TRUE(has_joint(named, "Bone_$AssimpFbx$_Rotation"));
   EXPECT_LT(both_ways(named.surface.vertices, {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}), file_rounding);
 }
 
-// What the converter by itself says, and how it ends.
+// The converter's own output; checks its exit status.
 std::string said_by_converter(const TemporaryFolder& folder, const std::string& arguments, int status) {
   const std::string command = "cd '" + folder.path().string() + "' && '" + FASCICLE_BINARY_DIR +
                               "/fascicle-convert' " + arguments + " 2> err";
@@ -452,7 +453,7 @@ TEST(Converter, messages_name_the_file_once) {
   }
 }
 
-// Run in place of the converter, or the converter itself under such limits.
+// The error when `converter` runs in place of the real one, or with its limits.
 std::string refusal_of(const fs::path& input, const gltf::Converter& converter) {
   try {
     gltf::convert_character(input, fs::path(input).replace_extension(".glb"), converter);
@@ -483,7 +484,7 @@ TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
                   .find(hero.string() + ": " + words + by_hand),
               0u)
         << said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2});
-  // A busy machine gives it little of the processor, and it is waited for.
+  // On a busy machine it gets little CPU time, and is waited for.
   EXPECT_NE(said("i=0; while [ $i -lt 10 ]; do i=$((i+1)); sleep 0.2; done; exit 6", {.seconds = 1.0})
                 .find("more than 4 GiB of memory"),
             std::string::npos);
@@ -491,11 +492,10 @@ TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
-// The converter itself, with less and less: where it does not get by, it says so, and never that the file is
-// bad.
+// The real converter with less and less memory: if it runs out it says so, and never blames the file.
 TEST(Converter, a_file_that_needs_more_memory_is_not_called_bad) {
   const TemporaryFolder folder;
-  // 400,000 numbers, of which a text of 5 MB and several copies are made.
+  // 400,000 numbers, which become a text of 5 MB and several copies.
   std::string points, corners;
   constexpr int count = 399996;
   for (int k = 0; k < count; ++k) points += std::to_string(k % 1000) + " ";
@@ -517,7 +517,7 @@ TEST(Converter, a_file_that_needs_more_memory_is_not_called_bad) {
           "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
   ASSERT_EQ(refusal_of(large, {}), "converted");
   bool is_refused = false;
-  // Below this its libraries are not even loaded.
+  // With less, not even its libraries load.
   for (std::uint64_t megabytes = 256; megabytes >= 32; megabytes -= 4) {
     const std::string said = refusal_of(large, {{}, {.bytes = megabytes << 20}});
     if (said == "converted") continue;
@@ -530,7 +530,7 @@ TEST(Converter, a_file_that_needs_more_memory_is_not_called_bad) {
 
 #endif
 
-// No other converter would help there.
+// Another converter would not help, so the message names none.
 TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {
   const TemporaryFolder folder;
   folder.write("hero.fbx", fbx_of({}));
@@ -542,7 +542,7 @@ TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {
   EXPECT_EQ(said.find("FBX2glTF"), std::string::npos) << said;
 }
 
-// A copy of the program where no helper lies beside it.
+// A copy of the program without the helper next to it.
 TEST(Fbx, without_the_converter_the_message_names_others) {
   const TemporaryFolder folder;
   folder.write("hero.fbx", fbx_of({}));

@@ -111,7 +111,7 @@ GltfBuilder column() {
         corners.push_back(static_cast<std::uint16_t>(corner));
     }
   }
-  // Column by column: raw centimetres with Z up to each joint's own space (metres, Y up).
+  // Column-major: raw centimetres with Z up to each joint's space (metres, Y up).
   const std::vector<float> inverse_bind{0.01f, 0, 0, 0, 0, 0, -0.01f, 0, 0, 0.01f, 0, 0, 0, 0,  0, 1,
                                         0.01f, 0, 0, 0, 0, 0, -0.01f, 0, 0, 0.01f, 0, 0, 0, -1, 0, 1};
   const float r = std::sqrt(0.5f);

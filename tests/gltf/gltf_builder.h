@@ -1,4 +1,4 @@
-// Small glTF files made in the test: a document whose one buffer grows with each accessor.
+// Builds small glTF files: a document with one buffer that grows with each accessor.
 #pragma once
 
 #include <cstdint>
@@ -15,31 +15,31 @@ class GltfBuilder {
   nlohmann::json document;
   std::vector<unsigned char> bytes;
 
-  // An accessor over numbers laid one after the other; T settles the component type. Returns its number.
+  // Adds an accessor over packed numbers; T gives the component type. Returns its index.
   template <typename T>
   std::size_t add(const std::string& type, const std::vector<T>& numbers,
                   nlohmann::json more = nlohmann::json::object());
-  // A view over raw bytes.
+  // Adds a view over raw bytes.
   template <typename T>
   std::size_t add_view(const std::vector<T>& numbers);
 
-  // The document with the buffer as a data: URI, as a file beside, or inside a GLB.
+  // The document with the buffer as a data: URI, as a separate file, or inside a GLB.
   nlohmann::json with_data_uri() const;
   std::vector<unsigned char> glb() const;
 };
 
 // A column, half a metre wide and two high, of 12 vertices on 3 levels, open at its ends. Node 0 "armature"
 // holds joints 1 "lower", at the origin, and 2 "upper", a metre above; node 3 holds the mesh. The bottom
-// follows the lower joint, the top the upper one, the middle both. Raw units are centimetres with Z up; the
-// inverse bind matrices turn them round. Clip "bend" turns the upper joint about z by a quarter turn in a
-// second, clip "lift" moves the lower one up by 2 m.
+// follows the lower joint, the top the upper one, the middle both. Raw units are centimetres with Z up, which
+// the inverse bind matrices convert. Clip "bend" rotates the upper joint about z by 90 degrees in a second,
+// clip "lift" moves the lower one up by 2 m.
 GltfBuilder column();
 
-// The column with two blend shapes that clip "bend" moves: the first shifts two vertices of the top, the
+// The column with two blend shapes that clip "bend" moves: the first moves two vertices of the top; the
 // second, sparse, one of the bottom and one of the top. The mesh rests at weights 0.25 and 1.
 GltfBuilder column_with_shapes();
 
-// A fresh folder below the system's temporary one, removed with all it holds.
+// A new folder in the system's temporary folder, removed with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder();

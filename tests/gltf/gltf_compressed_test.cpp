@@ -1,5 +1,4 @@
-// Files compressed here, by the codecs' own encoders: they read as the plain ones do, and damaged ones are
-// refused.
+// Files compressed here with the codecs' own encoders read like the plain ones; damaged ones are refused.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -50,7 +49,7 @@ TEST_P(Meshopt, reads_as_the_plain_file_does) {
   EXPECT_EQ(small.surface.vertices, plain.surface.vertices);
   EXPECT_EQ(small.weights, plain.weights);
   EXPECT_EQ(small.joints, plain.joints);
-  // The codec may begin a triangle at another corner.
+  // The codec may start a triangle at another corner.
   EXPECT_EQ(turned(small.surface), turned(plain.surface));
   ASSERT_EQ(small.clips.size(), 2u);
   EXPECT_EQ(small.clips[0].channels[0].values, plain.clips[0].channels[0].values);
@@ -90,7 +89,7 @@ TEST(Meshopt, an_exponential_filter_is_undone) {
   EXPECT_LT((c.surface.vertices[1] - Vector3d(0.015, 0.025, -0.02)).norm(), 1e-7);
 }
 
-// Vertices in their places with what they follow: the codec brings them into an order of its own.
+// Vertices with their attributes, sorted: the codec reorders them.
 std::vector<std::vector<double>> sorted(const Character& c) {
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < c.surface.vertices.size(); ++i) {
@@ -127,7 +126,7 @@ TEST_P(Draco, reads_as_the_plain_file_does) {
   EXPECT_EQ(document.json.dump().find("draco"), std::string::npos);
 }
 
-// Any byte of the stream changed, or the stream cut short: read or refused, never a crash.
+// With any byte of the stream changed, or the stream truncated: read or refused, never a crash.
 TEST_P(Draco, a_damaged_stream_is_read_or_refused) {
   const GltfBuilder good = with_draco(GetParam());
   const std::size_t view =
@@ -149,7 +148,7 @@ TEST_P(Draco, a_damaged_stream_is_read_or_refused) {
     bad.bytes[offset + at] = static_cast<unsigned char>(bad.bytes[offset + at] ^ flip);
     attempt(bad);
   }
-  EXPECT_GT(refused, length / 10);  // a changed byte of a plain float is another number
+  EXPECT_GT(refused, length / 10);  // a changed byte of a float just gives another number
   refused = 0;
   for (std::size_t cut = 1; cut < length; cut += 7) {
     GltfBuilder bad = good;

@@ -1,4 +1,4 @@
-// Meshes without a skin that a joint or a moving node carries, and meshes that several nodes show.
+// Meshes without a skin on a joint or a moving node, and meshes with several nodes.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 using nlohmann::json;
 using rig::Character;
 
-// Matrices and coordinates of the made files are floats near 1.
+// Matrices and coordinates of the generated files are floats near 1.
 constexpr double hung_rounding = 1e-6;
 
 Character read_hung(const GltfBuilder& builder) {
@@ -35,7 +35,7 @@ gltf::Rig rig_of(const GltfBuilder& builder) {
   return gltf::read_rig(folder.write("robot.glb", builder.glb()));
 }
 
-// A tetrahedron of edge 0.2 as a mesh without joints; its number.
+// Adds a tetrahedron of edge 0.2 as a mesh without joints; returns its index.
 std::size_t add_plate(GltfBuilder& b) {
   const std::size_t position = b.add("VEC3", std::vector<float>{0, 0, 0, 0.2f, 0, 0, 0, 0.2f, 0, 0, 0, 0.2f});
   const std::size_t index = b.add("SCALAR", std::vector<std::uint16_t>{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
@@ -67,7 +67,7 @@ GltfBuilder column_with_plate() {
   return b;
 }
 
-// No skin at all: a hip that a clip turns, a still link below it, a foot at its end.
+// No skin at all: a hip that a clip rotates, a still link below it, a foot at its end.
 GltfBuilder rigid_robot() {
   GltfBuilder b = column_with_plate();
   b.document.erase("skins");
@@ -88,7 +88,7 @@ std::vector<Vector3d> skinned(const Character& c, int clip, double time) {
   return result;
 }
 
-// As the .glb of a bake sees the file.
+// The surface as the .glb of a bake sees the file.
 std::vector<Vector3d> rigged(const gltf::Rig& rig, int clip, double time) {
   const Character& c = rig.character;
   const std::vector<Matrix4d> joints =
@@ -113,7 +113,7 @@ double distance(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) 
   return worst;
 }
 
-// Reader, rig and an independent viewer agree at all times; the clip moves what they show.
+// The reader, the rig and an independent viewer agree at all times, and the clip moves the surface.
 void expect_shown(const GltfBuilder& b, int clip) {
   const Character c = read_hung(b);
   const gltf::Rig rig = rig_of(b);
@@ -122,7 +122,7 @@ void expect_shown(const GltfBuilder& b, int clip) {
     EXPECT_LT(distance(skinned(c, clip, time), viewer.shown(clip, time)), hung_rounding) << time;
     EXPECT_LT(distance(rigged(rig, clip, time), viewer.shown(clip, time)), hung_rounding) << time;
   }
-  // The same comparison sees a surface that stays behind.
+  // The control: the comparison detects a surface that stays behind.
   EXPECT_GT(distance(c.surface.vertices, viewer.shown(clip, 1.0)), 0.2);
 }
 
@@ -135,7 +135,7 @@ TEST(GltfHung, a_mesh_below_a_joint_follows_it) {
   EXPECT_EQ(c.parts[1].node, 4u);
   EXPECT_EQ(c.parts[1].first_vertex, 12u);
   EXPECT_EQ(c.parts[1].triangle_count, 4u);
-  ASSERT_EQ(c.skeleton.size(), 2u);  // the plate's node stands still on its joint: it is none itself
+  ASSERT_EQ(c.skeleton.size(), 2u);  // the plate's node does not move on its joint, so it is not a joint
   for (std::size_t i = 12; i < 16; ++i) {
     EXPECT_EQ(c.joints[i][0], 1u);
     EXPECT_EQ(c.weights[i][0], 1.0);
@@ -158,12 +158,12 @@ TEST(GltfHung, a_mesh_on_a_joint_or_on_a_moving_node_follows_it) {
   EXPECT_EQ(c.skeleton[2].name, "lid");
   EXPECT_TRUE(c.skeleton[2].skins);
   ASSERT_EQ(c.parts.size(), 3u);
-  EXPECT_EQ(c.parts[0].object, "upper");  // nodes in their order: 2, 3 and the new one
+  EXPECT_EQ(c.parts[0].object, "upper");  // in the order of nodes: 2, 3 and the new one
   EXPECT_EQ(c.parts[1].object, "body");
   expect_shown(b, 0);
 }
 
-// A plate below three nodes that nothing moves.
+// A plate below three still nodes.
 GltfBuilder still_plate() {
   GltfBuilder b = rigid_robot();
   b.document.erase("animations");
@@ -197,7 +197,7 @@ TEST(GltfHung, what_a_document_marks_carries) {
   EXPECT_LT(distance(c.surface.vertices, GltfViewer(b).shown(-1, 0.0)), hung_rounding);
 }
 
-// Beside what moves, what nothing moves is left out: it is hardly of the same thing.
+// If something moves, still meshes are left out: they hardly belong to it.
 TEST(GltfHung, beside_what_moves_nothing_still_is_carried) {
   GltfBuilder b = column();
   add_node(b, {{"name", "ground"}, {"mesh", add_plate(b)}}, -1);
@@ -224,7 +224,8 @@ TEST(GltfHung, nodes_above_that_scale_and_turn_count) {
   expect_shown(b, 0);
 }
 
-// A skin whose inverse bind matrices put the joints elsewhere than the nodes rest: plates go along.
+// The inverse bind matrices of the skin put the joints elsewhere than the rest pose of the nodes; plates
+// follow.
 TEST(GltfHung, the_bind_pose_is_that_of_the_skin) {
   GltfBuilder b = column_with_plate();
   const std::size_t child = add_node(b, {{"name", "carrier"}, {"translation", {0.0, 0.1, 0.0}}}, 2);

@@ -1,5 +1,5 @@
-// Files that lie. Each must be refused with a message that names the place, before memory is taken or a file
-// is opened that the user did not name.
+// Files with false contents. Each must be refused with a message that names the place, before memory is
+// allocated or a file is opened that the user did not name.
 #include <algorithm>
 #include <ctime>
 #include <functional>
@@ -51,7 +51,8 @@ std::vector<float> column_weights() {
   return weights;
 }
 
-// Accessors of column(): 0 positions, 1 joints, 2 weights, 3 indices, 4 matrices, 5 times, 6 turns, 7 moves.
+// Accessors of column(): 0 positions, 1 joints, 2 weights, 3 indices, 4 matrices, 5 times, 6 rotations, 7
+// translations.
 const std::vector<Lie>& lies() {
   static const std::vector<Lie> all{
       {"count_of_four_thousand_million", "/accessors/0/count",
@@ -313,7 +314,7 @@ TEST_P(LyingGltf, is_refused_as_text_and_as_binary) {
 INSTANTIATE_TEST_SUITE_P(All, LyingGltf, testing::ValuesIn(lies()),
                          [](const auto& lie) { return std::string(lie.param.name); });
 
-// A parser that looked back over an array at each of its objects took a minute for a small file.
+// A parser that rescanned an array at each of its objects took a minute for a small file.
 TEST(LongArrays, are_read_in_time_by_their_length) {
   const TemporaryFolder folder;
   const auto seconds = [&](std::size_t length) {
@@ -321,7 +322,7 @@ TEST(LongArrays, are_read_in_time_by_their_length) {
     b.document["extras"] = json::array();
     for (std::size_t i = 0; i < length; ++i) b.document["extras"].push_back(json::object());
     const std::filesystem::path file = folder.write("long.gltf", b.with_data_uri().dump());
-    // The least of three, as others use the machine too; the processor's time, not the clock's.
+    // The minimum of three runs in CPU time, as other programs use the machine too.
     std::clock_t least = std::numeric_limits<std::clock_t>::max();
     for (int k = 0; k < 3; ++k) {
       const std::clock_t start = std::clock();
@@ -330,11 +331,11 @@ TEST(LongArrays, are_read_in_time_by_their_length) {
     }
     return static_cast<double>(least) / CLOCKS_PER_SEC;
   };
-  // Ten times as long: ten times the time; by the square it would be 100, and was.
+  // Ten times the length takes ten times as long; it once was quadratic, a hundred times.
   EXPECT_LT(seconds(100'000), 30.0 * seconds(10'000));
 }
 
-// One small accessor named by very many primitives must not fill the memory.
+// Very many primitives with one small accessor must not fill the memory.
 TEST(LyingCounts, many_uses_of_one_accessor) {
   GltfBuilder b = column();
   json zeros{{"componentType", 5126}, {"type", "VEC3"}, {"count", std::uint64_t{1} << 24}};
@@ -347,8 +348,8 @@ TEST(LyingCounts, many_uses_of_one_accessor) {
                  "/meshes/0/primitives/1/attributes/POSITION");
 }
 
-// What has no bytes is read as zeros: as many as any file may have, or more in a large file, where a baked
-// animation of N frames has N times N weights.
+// Accessors without bytes are read as zeros: up to a fixed count for any file, or more in a large file,
+// because a baked animation of N frames has N times N weights.
 TEST(LyingCounts, elements_without_bytes) {
   const TemporaryFolder folder;
   const std::size_t any = std::size_t{1} << 24, count = any + (any >> 1);
@@ -360,7 +361,7 @@ TEST(LyingCounts, elements_without_bytes) {
   };
   expect_refused(file("small.glb", "SCALAR", 0), "/accessors/8/count");
   EXPECT_NO_THROW(gltf::read_gltf(file("large.glb", "SCALAR", count / 16)));
-  // Three numbers an element.
+  // Three numbers per element.
   expect_refused(file("wide.glb", "VEC3", count / 16), "/accessors/8/count");
 }
 
@@ -373,7 +374,7 @@ TEST(LyingCounts, many_uses_of_one_target) {
   b.document["accessors"].push_back(
       {{"componentType", 5121}, {"normalized", false}, {"type", "VEC4"}, {"count", count}});
   primitive["attributes"]["JOINTS_0"] = 9;
-  b.document["nodes"][3].erase("skin");  // hung: no weights are needed
+  b.document["nodes"][3].erase("skin");  // without a skin, no weights are needed
   b.document["scenes"][0]["nodes"] = {0};
   b.document["nodes"][2]["children"] = {3};
   primitive["targets"] = json::array();
@@ -387,7 +388,7 @@ class LyingUri : public testing::TestWithParam<const char*> {};
 TEST_P(LyingUri, is_refused) {
   const GltfBuilder b = column();
   const TemporaryFolder folder;
-  // What the URIs below lead to if they are believed.
+  // The target of the URIs below, if they are followed.
   folder.write("secret.bin", b.bytes);
   folder.write("inner/..\\secret.bin", b.bytes);
   std::filesystem::create_symlink("../secret.bin", folder.path() / "inner/link.bin");
@@ -434,7 +435,7 @@ TEST(LyingData, a_link_inside_the_folder_is_followed) {
   EXPECT_EQ(gltf::read_gltf(folder.write("a.gltf", document.dump())).surface.vertices.size(), 12u);
 }
 
-// What skins a vertex is checked by whoever reads it: the rig of a bake's character.glb is read alone.
+// Every reader checks joints and weights: the rig of a bake's character.glb is read on its own.
 TEST(LyingRig, joints_and_weights) {
   const TemporaryFolder folder;
   std::size_t told = 0;
@@ -443,7 +444,7 @@ TEST(LyingRig, joints_and_weights) {
     const bool is_of_skin = place.find("/JOINTS_") != std::string::npos ||
                             place.find("/WEIGHTS_") != std::string::npos ||
                             place.find("/attributes/POSITION") != std::string::npos;
-    // A viewer shows a vertex without weights where it will.
+    // Viewers may place a vertex without weights anywhere.
     if (!is_of_skin || std::string(lie.name) == "weights_all_zero") continue;
     SCOPED_TRACE(lie.name);
     GltfBuilder b = column();
@@ -491,7 +492,7 @@ TEST(LyingGlb, chunks) {
   refuse("binary chunk of another type", "/buffers/0/uri", [&](auto& b) { put(b, binary + 4, 0x12345678); });
   refuse("a second JSON chunk", ("byte " + std::to_string(binary + 4)).c_str(),
          [&](auto& b) { put(b, binary + 4, 0x4E4F534A); });
-  // What follows a chunk cut short is read as the next chunk's header.
+  // The bytes after a truncated chunk are read as the next chunk's header.
   refuse("binary chunk shorter than its buffer", ("byte " + std::to_string(binary + 16)).c_str(),
          [&](auto& b) {
            put(b, binary, 8);
@@ -506,13 +507,13 @@ TEST(LyingGlb, truncated_anywhere) {
     std::vector<unsigned char> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length));
     EXPECT_THROW(gltf::read_gltf(folder.write("cut.glb", cut)), base::SceneError) << length;
     if (length < 12) continue;
-    put(cut, 8, static_cast<std::uint32_t>(length));  // a header that goes along with it
+    put(cut, 8, static_cast<std::uint32_t>(length));  // a header with a matching length
     EXPECT_THROW(gltf::read_gltf(folder.write("cut.glb", cut)), base::SceneError) << length;
   }
 }
 
-// Every byte of the file's text changed in turn: read or refused, never a crash (run it under the sanitizers)
-// or another exception.
+// With every byte of the file's text changed in turn: read or refused, never a crash (run it under the
+// sanitizers) or another exception.
 TEST(LyingGlb, any_byte_changed) {
   const TemporaryFolder folder;
   const std::vector<unsigned char> good = column().glb();
@@ -526,7 +527,7 @@ TEST(LyingGlb, any_byte_changed) {
     } catch (const base::SceneError&) {
       ++refused;
     }
-    // It looks at less, and trusts no more.
+    // The rig reader reads less, but must be as careful.
     try {
       gltf::read_rig(path);
     } catch (const base::SceneError&) {
@@ -535,7 +536,7 @@ TEST(LyingGlb, any_byte_changed) {
   EXPECT_GT(refused, good.size() / 4);
 }
 
-// 10 MB that would take a thousand: a primitive that stands in the file many times, and shares its data.
+// 10 MB that would take a thousand: a primitive that is listed many times with the same data.
 TEST(LyingFile, one_mesh_many_times) {
   const TemporaryFolder folder;
   GltfBuilder builder = column();
@@ -565,7 +566,7 @@ TEST(LyingFile, what_is_no_glTF_at_all) {
   EXPECT_THROW(gltf::read_gltf(folder.path() / "missing.glb"), base::SceneError);
   ASSERT_EQ(::mkfifo((folder.path() / "pipe.glb").c_str(), 0600), 0);
   EXPECT_THROW(gltf::read_gltf(folder.path() / "pipe.glb"), base::SceneError);
-  // Larger than any that is read; it holds no data, so it takes no disk.
+  // Larger than the limit; a sparse file, so it takes no disk space.
   const std::filesystem::path large = folder.write("large.glb", std::string("glTF"));
   std::filesystem::resize_file(large, (std::uintmax_t{1} << 30) + 1);
   EXPECT_THROW(gltf::read_gltf(large), base::SceneError);

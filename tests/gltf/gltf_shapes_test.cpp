@@ -1,4 +1,4 @@
-// Blend shapes: what the file's weights do to the bind pose, and what its clips do over time.
+// Blend shapes: the effect of the file's weights on the bind pose, and of its clips over time.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using nlohmann::json;
 
-// Matrices and coordinates of the made files are floats near 1.
+// Matrices and coordinates of the generated files are floats near 1.
 constexpr double float_rounding = 1e-6;
 
 double distance(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
@@ -62,7 +62,7 @@ TEST(GltfShapes, rest_weights_stand_in_the_bind_pose) {
   const std::vector<Vector3d> without = GltfViewer(column()).shown(-1, 0.0);
   EXPECT_GT(distance(GltfViewer(b).shown(-1, 0.0), without), 0.1);  // the mesh's weights
   expect_shown(b, 0);
-  b.document["nodes"][3]["weights"] = {0.0, 0.0};  // the node's go before the mesh's
+  b.document["nodes"][3]["weights"] = {0.0, 0.0};  // the node's weights override the mesh's
   EXPECT_EQ(distance(GltfViewer(b).shown(-1, 0.0), without), 0.0);
   expect_shown(b, 0);
   b.document["nodes"][3]["weights"] = {-0.5, 1.5};
@@ -84,7 +84,7 @@ TEST(GltfShapes, clips_move_them_by_steps_and_straight) {
   expect_shown(b, 0);
 }
 
-// Cubic keys by hand: with no tangents u^2 (3 - 2 u) of the way, with one half the way's slope more.
+// Cubic keys by hand: without tangents u^2 (3 - 2 u) of the way; one tangent adds half its slope.
 TEST(GltfShapes, cubic_keys) {
   rig::WeightChannel channel{.interpolation = rig::Interpolation::cubic_spline,
                              .times = {1.0, 3.0},
@@ -92,7 +92,7 @@ TEST(GltfShapes, cubic_keys) {
   const std::vector<double> at = rig::weights_at(channel, 1.5);
   ASSERT_EQ(at.size(), 2u);
   EXPECT_NEAR(at[0], 0.0625 * 2.5, 1e-15);
-  // Slope 1 a second over two seconds: 2 (u^3 - 2 u^2 + u) at a quarter is 2 * 0.140625.
+  // Slope 1 per second over two seconds: 2 (u^3 - 2 u^2 + u) at a quarter is 2 * 0.140625.
   EXPECT_NEAR(at[1], 2.0 + 0.28125, 1e-15);
   EXPECT_EQ(rig::weights_at(channel, 0.0), (std::vector<double>{0.0, 2.0}));
   EXPECT_EQ(rig::weights_at(channel, 9.0), (std::vector<double>{1.0, 2.0}));
@@ -110,7 +110,7 @@ TEST(GltfShapes, a_clip_of_weights_alone_has_a_duration) {
 
 TEST(GltfShapes, integer_targets) {
   GltfBuilder b = column_with_shapes();
-  std::vector<std::int8_t> moves(48, 0);  // rows of four bytes
+  std::vector<std::int8_t> moves(48, 0);  // with a stride of four bytes
   moves[4 * 5 + 2] = 100;
   const std::size_t accessor = b.add("VEC4", moves, {{"type", "VEC3"}, {"count", 12}});
   b.document["bufferViews"].back()["byteStride"] = 4;

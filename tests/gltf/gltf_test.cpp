@@ -47,7 +47,7 @@ std::vector<Vector3d> skinned(const Character& character, const rig::Clip* clip,
   return result;
 }
 
-// Signed: positive where triangles are seen counter-clockwise from outside.
+// Signed: positive if triangles are counter-clockwise from outside.
 double volume(const mesh::SurfaceMesh& surface) {
   double sum = 0.0;
   for (const auto& t : surface.triangles) {
@@ -67,12 +67,12 @@ TEST(Gltf, column_stands_in_metres_with_y_up) {
   const Character c = read(column());
   ASSERT_EQ(c.surface.vertices.size(), 12u);
   ASSERT_EQ(c.surface.triangles.size(), 16u);
-  // The body's node is moved by (50, 60, 70): a skinned mesh does not follow its own node.
+  // The body's node is at (50, 60, 70), but a skinned mesh ignores the transform of its node.
   EXPECT_LT((c.surface.vertices[0] - Vector3d(-0.25, 0, 0.25)).norm(), float_rounding);
   EXPECT_LT((c.surface.vertices[6] - Vector3d(0.25, 1, -0.25)).norm(), float_rounding);
   EXPECT_NEAR(height(c), 2.0, float_rounding);
   EXPECT_GT(volume(c.surface), 0.0);
-  ASSERT_EQ(c.skeleton.size(), 2u);  // the armature neither skins nor moves
+  ASSERT_EQ(c.skeleton.size(), 2u);  // the armature has no weights and does not move
   EXPECT_EQ(c.skeleton[0].name, "lower");
   EXPECT_EQ(c.skeleton[1].parent, 0);
   EXPECT_TRUE(c.skeleton[0].skins && c.skeleton[1].skins);
@@ -86,7 +86,7 @@ TEST(Gltf, column_bends) {
   const Character c = read(column());
   const std::vector<Vector3d> p = skinned(c, rig::find_clip(c, "bend"), 1.0);
   EXPECT_LT((p[0] - c.surface.vertices[0]).norm(), float_rounding);
-  // A quarter turn about z through (0, 1, 0) takes (0.25, 2) to (-1, 1.25).
+  // A quarter turn about an axis along z through (0, 1, 0) takes (0.25, 2) to (-1, 1.25).
   EXPECT_LT((p[9] - Vector3d(-1, 1.25, 0.25)).norm(), float_rounding);
 }
 
@@ -129,7 +129,7 @@ TEST(Gltf, nodes_above_scale_turn_and_mirror) {
     EXPECT_LT((c.surface.vertices[i] - Vector3d(10 - 3 * p.x(), 2 * p.y(), p.z())).norm(),
               10 * float_rounding);
   }
-  // Mirrored, yet right side out; the shift changes the volume of an open surface, so take it away.
+  // Mirrored, but not inside out. The surface is open, so undo the shift, which changes its volume.
   mesh::SurfaceMesh surface = c.surface;
   for (Vector3d& p : surface.vertices) p.x() -= 10;
   EXPECT_NEAR(volume(surface), 6 * volume(plain.surface), 20 * float_rounding);
@@ -149,8 +149,7 @@ TEST(Gltf, a_joint_with_negative_scale) {
   EXPECT_LT((rig::pose_at(c, nullptr, 0)[1] - Matrix4d::Identity()).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-// The body is the bind pose, whatever pose the file's nodes rest in, and skinning it gives what the file
-// means.
+// The body is the bind pose, whatever rest pose the nodes have, and skinning it gives the file's pose.
 TEST(Gltf, where_the_nodes_rest_in_another_pose_the_bind_pose_is_the_body) {
   GltfBuilder b = column();
   b.document["nodes"][2]["rotation"] = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};
@@ -162,7 +161,7 @@ TEST(Gltf, where_the_nodes_rest_in_another_pose_the_bind_pose_is_the_body) {
   EXPECT_LT((p[0] - c.surface.vertices[0]).norm(), float_rounding);
 }
 
-// Without matrices joints are bound where they stand.
+// Without inverse bind matrices, joints are bound at their rest pose.
 TEST(Gltf, a_skin_without_matrices_is_bound_where_its_nodes_stand) {
   GltfBuilder b = column();
   b.document["skins"][0].erase("inverseBindMatrices");
@@ -188,8 +187,7 @@ TEST(Gltf, vertices_without_weights_go_with_what_they_are_connected_to) {
   GltfBuilder b = column();
   const Character whole = read(b);
   std::vector<float> weights(48, 0.0f);
-  for (std::size_t i = 0; i < 48; i += 4)
-    weights[i] = i == 8 || i == 20 ? 0.0f : 1.0f;  // of vertices 2 and 5
+  for (std::size_t i = 0; i < 48; i += 4) weights[i] = i == 8 || i == 20 ? 0.0f : 1.0f;  // vertices 2 and 5
   b.document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = b.add("VEC4", weights);
   const Character c = read(b);
   ASSERT_EQ(c.notes.size(), 1u);
@@ -214,7 +212,7 @@ TEST(Gltf, strips_and_fans_become_triangles) {
   primitive["mode"] = 5;
   primitive["indices"] = b.add("SCALAR", std::vector<std::uint8_t>{0, 1, 4, 5, 5, 8, 8, 9, 4});
   EXPECT_EQ(read(b).surface.triangles,
-            (std::vector<Triangle>{{0, 1, 4}, {1, 5, 4}, {8, 9, 4}}));  // four flat ones left out
+            (std::vector<Triangle>{{0, 1, 4}, {1, 5, 4}, {8, 9, 4}}));  // without four degenerate ones
   primitive["mode"] = 6;
   primitive["indices"] = b.add("SCALAR", std::vector<std::uint32_t>{0, 1, 5, 4, 8});
   EXPECT_EQ(read(b).surface.triangles, (std::vector<Triangle>{{0, 1, 5}, {0, 5, 4}, {0, 4, 8}}));
@@ -228,8 +226,8 @@ TEST(Gltf, primitives_and_meshes_are_concatenated) {
   json& primitives = b.document["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
   b.document["nodes"].push_back({{"mesh", 0}, {"skin", 0}});
-  b.document["nodes"].push_back({{"mesh", 0}});               // no skin: left out
-  b.document["nodes"].push_back({{"mesh", 0}, {"skin", 0}});  // not in the scene: left out
+  b.document["nodes"].push_back({{"mesh", 0}});               // ignored: no skin
+  b.document["nodes"].push_back({{"mesh", 0}, {"skin", 0}});  // ignored: not in the scene
   b.document["scenes"][0]["nodes"] = {0, 4, 3, 5};
   const Character c = read(b);
   ASSERT_EQ(c.surface.vertices.size(), 48u);
@@ -248,7 +246,7 @@ TEST(Gltf, normalised_quantised_and_strided_accessors) {
     const auto upper = static_cast<std::uint16_t>(i / 4 * 32767);  // 0, nearly half, nearly all
     weights.insert(weights.end(), {static_cast<std::uint16_t>(65535 - upper), upper, 0, 0});
     joints.insert(joints.end(), {0, 1, 0, 0});
-    // -127 is -1; -128 is -1 too. A fourth byte of padding makes the stride.
+    // Both -127 and -128 mean -1. A fourth byte of padding makes the stride.
     const Vector3d p = plain.surface.vertices[i];
     const auto byte = [](double x) { return static_cast<std::int8_t>(x < 0 ? -128 : x > 0 ? 127 : 0); };
     positions.insert(positions.end(), {byte(p.x()), byte(-p.z()), byte(p.y()), 99});
@@ -305,7 +303,7 @@ TEST(Gltf, the_eight_largest_of_twelve_weights_are_kept) {
     for (std::size_t i = 0; i < 12; ++i) {
       for (std::size_t k = 0; k < 4; ++k) {
         joints.push_back(static_cast<std::uint8_t>(4 * set + k));
-        weights.push_back(static_cast<float>(1 + 4 * set + k));  // 1 to 12: they do not sum to 1 either
+        weights.push_back(static_cast<float>(1 + 4 * set + k));  // 1 to 12, which do not sum to 1
       }
     }
     attributes["JOINTS_" + std::to_string(set)] = b.add("VEC4", joints);
@@ -322,7 +320,7 @@ TEST(Gltf, the_eight_largest_of_twelve_weights_are_kept) {
   EXPECT_NEAR(sum, 1.0, 1e-15);
 }
 
-// Column raw units are centimetres with Z up: a fibre along z stands along y in the bind pose.
+// The column's raw units are centimetres with Z up: a fibre along z is along y in the bind pose.
 TEST(Gltf, painted_attributes_are_carried) {
   GltfBuilder b = column();
   std::vector<float> layer, fibre;
@@ -337,7 +335,7 @@ TEST(Gltf, painted_attributes_are_carried) {
   attributes["_LAYER"] = b.add<float>("SCALAR", layer);
   attributes["_FIBER"] = b.add<float>("VEC3", fibre);
   attributes["COLOR_0"] = b.add<std::uint8_t>("VEC4", colour, {{"normalized", true}});
-  attributes["TEXCOORD_0"] = 12345;                            // not needed, so not believed
+  attributes["TEXCOORD_0"] = 12345;                            // not needed, so ignored
   b.document["meshes"][0]["primitives"].push_back(primitive);  // a second one, without paint
   const Character c = read(b);
   ASSERT_EQ(c.surface.vertices.size(), 24u);
@@ -358,7 +356,7 @@ TEST(Gltf, painted_attributes_are_carried) {
     }
   }
 
-  // What cannot be is refused by its place.
+  // Invalid paint is refused, with its place.
   GltfBuilder missing = column();
   missing.document["meshes"][0]["primitives"][0]["attributes"]["_LAYER"] = 999;
   try {
@@ -399,7 +397,7 @@ TEST(Gltf, interpolations_of_a_channel) {
   EXPECT_EQ(rig::pose_at(s, rig::find_clip(s, "lift"), 1.0)[0](1, 3), 2.0);
 }
 
-// Everything about looks, and morph targets, may be as broken as it likes.
+// Looks and morph targets may be invalid: they are not needed.
 TEST(Gltf, what_is_not_needed_is_not_believed) {
   GltfBuilder b = column();
   b.document["images"] = {{{"uri", "../../../../etc/passwd"}}, {{"bufferView", 4000000}}, 7};
@@ -432,7 +430,7 @@ TEST_P(WalkingMan, has_what_the_file_says) {
   ASSERT_EQ(c.clips.size(), 1u);
   EXPECT_EQ(c.clips[0].duration, 2.0);
   EXPECT_EQ(c.clips[0].channels.size(), 57u);
-  EXPECT_NEAR(height(c), 1.50655, 1e-4);  // the z range that the file states for its positions
+  EXPECT_NEAR(height(c), 1.50655, 1e-4);  // the z range that the file gives for its positions
   EXPECT_GT(volume(c.surface), 0.0);
   for (const auto& weights : c.weights) {
     double sum = 0.0;
@@ -445,8 +443,7 @@ INSTANTIATE_TEST_SUITE_P(Cesium, WalkingMan, testing::Values("CesiumMan.glb"));
 
 class SkinnedAlike : public RealGltf {};
 
-// Products are of doubles, but the files' weights are floats and bytes, which sum to 1 to some of their
-// rounding.
+// Products are doubles, but the files' weights are floats and bytes, whose sum is 1 only up to rounding.
 TEST_P(SkinnedAlike, as_an_independent_evaluation) {
   const Character c = gltf::read_gltf(path_);
   const GltfViewer viewer(path_);
@@ -465,7 +462,7 @@ INSTANTIATE_TEST_SUITE_P(Real, SkinnedAlike,
 
 class RestPose : public RealGltf {};
 
-// Of these files the nodes rest in the bind pose; their inverse bind matrices are floats.
+// In these files the nodes rest in the bind pose; their inverse bind matrices are floats.
 TEST_P(RestPose, is_the_identity) {
   const Character c = gltf::read_gltf(path_);
   EXPECT_GT(volume(c.surface), 0.0);

@@ -45,7 +45,7 @@ std::size_t bytes_of(int type) {
   return type == 5126 || type == 5125 ? 4 : type == 5123 || type == 5122 ? 2 : 1;
 }
 
-// Of an integer type: what stands for 1 where it is normalised.
+// The value of an integer type that means 1 when normalised.
 double largest_of(int type) {
   return type == 5120 ? 127.0 : type == 5121 ? 255.0 : type == 5122 ? 32767.0 : 65535.0;
 }
@@ -226,7 +226,7 @@ std::vector<Vector3d> GltfViewer::shown(int clip, double time) const {
           sum += w[k] * (maps[static_cast<std::size_t>(j[k])] * raw);
           weights += w[k];
         }
-        // Not all files keep to the sum of 1 that glTF asks for; viewers divide by it.
+        // Not all files have weights that sum to 1, as glTF requires; viewers divide by the sum.
         result.push_back(sum.head<3>() / weights);
       }
     }

@@ -1,4 +1,4 @@
-// What glTF 2.0 says a viewer shows, worked out from the document alone: nothing of the program's reader.
+// What a viewer shows according to glTF 2.0, computed from the document without the program's reader.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@
 
 namespace fascicle::tests {
 
-// Of documents with one buffer: accessors of floats or of integers, normalised or not, sparse ones too;
-// clips of steps and of linear keys.
+// For documents with one buffer: accessors of floats or integers, normalised or not, also sparse; clips with
+// step and linear keys.
 class GltfViewer {
  public:
   explicit GltfViewer(const std::filesystem::path& glb);
   GltfViewer(nlohmann::json document, std::vector<unsigned char> binary);
-  // Of a GltfBuilder.
+  // From a GltfBuilder.
   template <class Builder>
   requires requires(const Builder& b) { b.document, b.bytes; }
   explicit GltfViewer(const Builder& builder) : GltfViewer(builder.document, builder.bytes) {}
 
-  // The vertices of every primitive of every node that shows a mesh, in the order of the nodes, at `time` of
-  // the clip with this number; a negative one: as the nodes rest.
+  // The vertices of every primitive of every node with a mesh, in the order of nodes, at `time` of the clip
+  // with this index; negative: the rest pose.
   std::vector<Eigen::Vector3d> shown(int clip, double time) const;
 
-  // Their normals before skins and nodes turn them, as long as they come out.
+  // Their morphed normals before skins and nodes rotate them, not normalised.
   std::vector<Eigen::Vector3d> raw_normals(int clip, double time) const;
 
   nlohmann::json document;
 
  private:
-  // An attribute of three values with the primitive's targets.
+  // An attribute of three values with the primitive's morph targets applied.
   std::vector<double> morphed(const nlohmann::json& primitive, const std::string& attribute,
                               const std::vector<double>& weights) const;
   std::vector<double> weights(int clip, double time, std::size_t node) const;
