@@ -1,4 +1,4 @@
-// bench/plot.py draws every committed result, a curve for each device and a point for each row of one thread.
+// bench/plot.py draws every committed result: a curve per device, a point per single-threaded row.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -56,7 +56,7 @@ TEST(BenchPlot, HasACurveForEachDevice) {
     EXPECT_EQ(count_of(svg, "<circle"), rows) << entry.path();
     for (const std::string& device : devices) EXPECT_EQ(count_of(svg, ">" + device + " "), 1u) << device;
     ++drawn;
-    // Where there is nothing to draw, nothing is written.
+    // Without results it writes no file.
     fs::remove(plot);
     EXPECT_NE(draw_plot(entry.path(), plot, "--threads 77"), 0);
     EXPECT_FALSE(fs::exists(plot));

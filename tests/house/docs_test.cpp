@@ -1,5 +1,5 @@
-// The pages hold together: links and anchors lead somewhere, every page can be reached from README, paths
-// that pages name are in the tree, and lines of pages and shaders keep to 120 columns.
+// The docs are consistent: links and anchors resolve, every page is reachable from README, paths named in
+// pages exist, and lines of pages and shaders have at most 120 columns.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_columns = 120;
 
-// A page with its fenced blocks emptied; lines stay where they are.
+// The lines of a page, with fenced blocks blanked.
 std::vector<std::string> prose_of(const std::string& text) {
   std::vector<std::string> lines = lines_of(text);
   bool inside = false;
@@ -34,7 +34,7 @@ std::vector<std::string> prose_of(const std::string& text) {
   return lines;
 }
 
-// The anchor of a heading, as GitHub and mkdocs make it.
+// The anchor of a heading, as GitHub and mkdocs generate it.
 std::string anchor_of(std::string_view heading) {
   std::string anchor;
   for (const char c : heading) {
@@ -57,10 +57,10 @@ std::set<std::string> anchors_of(const std::string& text) {
 
 struct Link {
   std::size_t line = 0;
-  std::string target, anchor;  // the target from the repository's root; empty anchor: the page itself
+  std::string target, anchor;  // target relative to the root; an empty anchor is the whole page
 };
 
-// Links and pictures of a page that lead into the repository.
+// Links and pictures of a page with targets inside the repository.
 std::vector<Link> links_of(const Source& page) {
   static const std::regex link(R"re(\]\(([^)#\s]*)(#([^)\s]*))?\))re");
   std::vector<Link> links;
@@ -75,7 +75,7 @@ std::vector<Link> links_of(const Source& page) {
   return links;
 }
 
-// Links that lead nowhere, as "path:line: target#anchor".
+// Dead links, as "path:line: target#anchor".
 std::vector<std::string> dead_links(const std::vector<Source>& pages, const std::set<std::string>& paths) {
   std::map<std::string, std::set<std::string>> anchors;
   for (const Source& page : pages) anchors[page.path] = anchors_of(page.text);
@@ -90,7 +90,7 @@ std::vector<std::string> dead_links(const std::vector<Source>& pages, const std:
   return dead;
 }
 
-// Pages that no chain of links from README leads to.
+// Pages that cannot be reached from README.
 std::vector<std::string> unreached(const std::vector<Source>& pages) {
   std::set<std::string> reached{"README.md"};
   for (bool grew = true; grew;) {
@@ -106,8 +106,8 @@ std::vector<std::string> unreached(const std::vector<Source>& pages) {
   return lost;
 }
 
-// Paths inside `code` that begin with a room and are not in the tree. Names with capitals or wildcards stand
-// for others: `shaders/NAME.comp`, `bench/results/*`. What is built or baked lies in no room.
+// Paths in `code` that begin with a room but do not exist. Names with capitals or wildcards are placeholders:
+// `shaders/NAME.comp`, `bench/results/*`. Built or baked files are not in rooms.
 std::vector<std::string> missing_paths(const Source& page, const std::set<std::string>& paths) {
   static const std::regex path(
       R"re(`((host|gpu|cpu_reference|shaders|docs|tests|bench|scenes|include|python)/[a-z0-9_./-]+)`)re");
@@ -117,7 +117,7 @@ std::vector<std::string> missing_paths(const Source& page, const std::set<std::s
     for (std::sregex_iterator found(lines[k].begin(), lines[k].end(), path), end; found != end; ++found) {
       std::string name = found->str(1);
       while (name.ends_with('/')) name.pop_back();
-      // A header and its source may be named by their common stem.
+      // The stem can stand for a header and its source.
       if (paths.contains(name) || paths.contains(name + ".h") || paths.contains(name + ".cpp")) continue;
       missing.push_back(page.path + ":" + std::to_string(k + 1) + ": " + name);
     }
@@ -129,7 +129,7 @@ std::size_t columns_of(const std::string& line) {
       std::ranges::count_if(line, [](unsigned char c) { return (c & 0xC0U) != 0x80U; }));
 }
 
-// Lines beyond 120 columns. A row of a table and an address cannot be wrapped.
+// Lines over 120 columns. Table rows and URLs cannot be wrapped.
 std::vector<std::string> wide_lines(const Source& source) {
   std::vector<std::string> wide;
   const bool is_page = source.path.ends_with(".md");
@@ -172,7 +172,7 @@ TEST(Docs, EveryPageIsReachedFromReadme) {
 TEST(Docs, PathsThatPagesNameAreThere) {
   const Tree tree = read_tree();
   for (const Source& page : tree.pages)
-    if (page.path != "CHANGELOG.md")  // tells of what was
+    if (page.path != "CHANGELOG.md")  // describes the past
       for (const std::string& path : missing_paths(page, tree.paths)) ADD_FAILURE() << path;
 }
 
@@ -199,7 +199,7 @@ TEST(Docs, TheSiteHoldsEveryPage) {
   }
 }
 
-// The controls: each fault is seen once planted, and the same without it is not.
+// The controls: each planted fault is found, and the same text without it passes.
 TEST(Docs, PlantedFaultsAreSeen) {
   const std::set<std::string> paths{"README.md", "docs", "docs/a.md", "docs/b.md", "host/formats/glb.h"};
   const Source readme{"README.md", "[a](docs/a.md#two-words) and [here](#top)\n# Top\n"};

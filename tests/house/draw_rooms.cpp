@@ -1,4 +1,4 @@
-// Draws the graph of rooms: draw_rooms REPOSITORY PICTURE.svg. Fails where an arrow leads back up.
+// Draws the graph of rooms: draw_rooms REPOSITORY PICTURE.svg. Fails if the graph has a cycle.
 #include <cstdio>
 #include <fstream>
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Bakes a glTF character with a portable build in a root that holds nothing but the C library.
+"""Bakes a glTF character with a portable build in a root folder that holds only the C library.
 
     python3 tests/house/empty_root.py PROGRAM
 
-PROGRAM is the portable `fascicle`; `fascicle-mesher` and its libraries lie beside it. The control: without TetGen's
-library the same bake must fail and name it. Needs root, or user namespaces (`unshare`).
+PROGRAM is the portable `fascicle`; `fascicle-mesher` and its libraries are in the same folder. The control: without
+TetGen's library the bake must fail and name it. Needs root, or user namespaces (`unshare`).
 """
 import base64
 import json
@@ -22,11 +22,11 @@ RINGS, SIDES, LENGTH, RADIUS = 24, 12, 0.6, 0.06
 
 
 def arm():
-    """A tube of two joints, whose elbow bends by 60 degrees in half a second, as a .gltf document."""
+    """A two-joint tube as a .gltf document; its elbow bends by 60 degrees in half a second."""
     points, joints, weights = [], [], []
     for ring in range(RINGS + 1):
         y = LENGTH * ring / RINGS
-        share = min(max(y / LENGTH * 8.0 - 3.5, 0.0), 1.0)  # of the lower arm: an eighth of the length blends
+        share = min(max(y / LENGTH * 8.0 - 3.5, 0.0), 1.0)  # weight of the lower arm; an eighth of the length blends
         for side in range(SIDES):
             angle = 2.0 * math.pi * side / SIDES
             points.append((RADIUS * math.cos(angle), y, RADIUS * math.sin(angle)))
@@ -82,7 +82,7 @@ def arm():
 
 
 def fill_root(root, program):
-    """Puts the program, its neighbours and the C library into an empty root."""
+    """Copies the program, its neighbours and the C library into an empty root."""
     loader = subprocess.run(["readelf", "--program-headers", "--wide", program], check=True, capture_output=True,
                             text=True).stdout.split("program interpreter: ")[1].split("]")[0]
     (root / loader.lstrip("/")).parent.mkdir(parents=True)
@@ -94,7 +94,7 @@ def fill_root(root, program):
     (root / "tmp").mkdir()
     (root / "dev").mkdir()
     (root / "proc").mkdir()
-    (root / "dev" / "null").touch()  # a plain file, which no rights are needed for, serves as well
+    (root / "dev" / "null").touch()  # a plain file works too, and needs no privileges
     (root / "opt").mkdir()
     folder = program.parent
     for file in (program, folder / "fascicle-mesher", *folder.glob("*.so*")):
@@ -103,13 +103,13 @@ def fill_root(root, program):
 
 
 def bake(root, output, *more):
-    """Bakes the arm inside the root; the finished process."""
-    # The mesher's loader finds what lies beside it by /proc/self/exe, so /proc is there, as on every system.
+    """Bakes the arm inside the root; returns the completed process."""
+    # The mesher finds its libraries through /proc/self/exe, so mount /proc, as on every system.
     script = 'mount --rbind /proc "$0/proc" && exec chroot "$0" "$@"'
     command = ["unshare", "--mount", *(() if os.geteuid() == 0 else ("--user", "--map-root-user")), "sh", "-c", script,
                str(root), "/opt/fascicle", "bake", "/arm.gltf", "--resolution", "1500", "--device", "cpu", "-o", output,
                *more]
-    # The loader has no cache of its own here, and the cached bodies go below HOME.
+    # The loader has no cache here. Cached bodies go below HOME.
     environment = {"LD_LIBRARY_PATH": "/lib", "HOME": "/tmp", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin"}
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
 
@@ -130,7 +130,7 @@ def main(program):
             sys.exit(f"a portable build has no meshoptimizer and must say so: {compressed.stderr}")
         for library in (root / "opt").glob("libtet*"):
             library.unlink()
-        shutil.rmtree(root / "tmp")  # the body of the bakes before is cached there
+        shutil.rmtree(root / "tmp")  # holds the body cached by earlier bakes
         (root / "tmp").mkdir()
         without = bake(root, "/baked-without")
         if without.returncode == 0 or "libtet" not in without.stderr + without.stdout:

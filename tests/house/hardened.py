@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Looks into built programs and libraries for what makes them hard to break into (cmake/hardened.cmake).
+"""Checks the hardening of built programs and libraries (cmake/hardened.cmake).
 
     python3 tests/house/hardened.py COMPILER SOURCE_FOLDER COMPILE_COMMANDS FILE...
 
-Each of COMPILE_COMMANDS (CMake's compile_commands.json) but those of tests must have the flags: libraries that are
-linked statically bring checks and guards of their own, which say nothing of our code.
+Every command in COMPILE_COMMANDS (CMake's compile_commands.json) except those of tests must have the flags: statically
+linked libraries contain guards of their own, so a binary says little about our code.
 
-Each FILE must be position-independent, have its relocations bound at the start and read-only after, a stack that does
-not execute, no segment that is written and executed, guards on the stack, calls of the C library that check sizes, a
-run path that begins at its own place or none, and nowhere the path of the sources. The controls: a tiny program without
-all of these is found out in each, and one with them in none.
+Every FILE must be position-independent, have its relocations bound at start and then read-only, a non-executable stack,
+no segment that is both writable and executable, stack protectors, fortified calls of the C library, no run path or one
+relative to the file, and must not contain the path of the sources. The controls: a tiny program without hardening fails
+every check, and one with it passes all.
 """
 import json
 import pathlib
@@ -43,12 +43,12 @@ def read(file, *what):
 
 
 def names_path(data, path):
-    """Whether bytes hold an absolute path in this folder; ../../src/init.c is none in /src."""
+    """Whether the bytes contain an absolute path below this folder; ../../src/init.c is not below /src."""
     return re.search(rb"(?<![\w./-])" + re.escape(str(path).encode()) + b"/", data) is not None
 
 
 def faults_of_command(command):
-    """The flags that a compiler's command lacks, or takes back."""
+    """The flags that a compile command lacks or undoes."""
     words = shlex.split(command)
     last = lambda pattern: next((word for word in reversed(words) if re.fullmatch(pattern, word)), "none")
     return [f"{last(pattern)}, not {wanted}" for pattern, wanted in
@@ -58,7 +58,7 @@ def faults_of_command(command):
 
 
 def faults_of_commands(commands):
-    """Of all that is compiled but tests, by the objects' folders."""
+    """Checks all compile commands except those of tests, by their object folders."""
     faults, count = [], 0
     for entry in commands:
         name = re.search(r" -o (\S+)", entry["command"])[1]
@@ -69,7 +69,7 @@ def faults_of_commands(commands):
 
 
 def faults_of(file, sources):
-    """What FILE lacks: names of ALL, with words."""
+    """The protections that FILE lacks: names from ALL, with descriptions."""
     header, segments = read(file, "--file-header"), read(file, "--program-headers")
     dynamic, symbols = read(file, "--dynamic"), read(file, "--dyn-syms")
     faults = {}
@@ -89,10 +89,10 @@ def faults_of(file, sources):
         faults["segments"] = "has a segment that is written and executed"
     if not re.search(r"\b__stack_chk_(fail|guard)\b", symbols):
         faults["guards"] = "has no guards on its stack (-fstack-protector-strong)"
-    # The Python module calls nothing that has a size to check.
+    # The Python module makes no calls that can be fortified.
     if not pathlib.Path(file).name.startswith("_fascicle") and not re.search(r"\b__(?!stack)\w+_chk\b", symbols):
         faults["sizes"] = "has no checks of sizes (-D_FORTIFY_SOURCE=2)"
-    # CMake pads the run path of the build folder with colons, to write that of an installation into its place.
+    # CMake pads the build folder's run path with colons, to replace it on installation.
     for paths in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", dynamic):
         if any(path and not re.match(r"\$ORIGIN(/|$)", path) for path in paths.split(":")):
             faults["run path"] = f"looks for libraries in {paths}"
@@ -107,7 +107,7 @@ def check_controls(compiler):
         source, program = folder / "tiny.c", folder / "tiny"
         mapped = f"-ffile-prefix-map={folder}=."
         library = [flag for flag in HARD if flag not in ("-fPIE", "-pie", "-D_FORTIFY_SOURCE=2")] + ["-fPIC", "-shared"]
-        # Only a program without shared libraries can have code and data in one segment.
+        # Only a statically linked program can have code and data in one segment.
         for text, flags, wanted in ((TINY, SOFT, ALL - {"segments"}), (TINY, (*HARD, mapped), set()),
                                     (TINY, (*library, mapped), {"sizes"}),
                                     (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sources"})):

@@ -1,4 +1,4 @@
-// Who may include whom: the room table of docs/architecture.md as data, held against every #include of the
+// Include rules: the room table of docs/architecture.md as data, checked against every #include of the
 // repository.
 #include <algorithm>
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace {
 
 struct Room {
   std::string folder;
-  std::vector<std::string> may_see;    // folders and files of ours, beside itself
+  std::vector<std::string> may_see;    // our folders and files, besides its own
   std::vector<std::string> libraries;  // names of `libraries` below
 };
 
@@ -30,9 +30,9 @@ const std::vector<std::string> every_library{
     "Eigen", "JSON",  "xxHash",        "Vulkan", "GoogleTest", "RapidCheck", "CLI11", "SIMD",   "PNG",
     "JPEG",  "Draco", "meshoptimizer", "zlib",   "C",          "fascicle",   "Boost", "pugixml"};
 
-// The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
-// it sees nothing of ours but the sandbox and its file, and nothing but tests of it sees TetGen or CGAL.
-// host/convert is one too.
+// The first matching folder applies. host/mesher is a separate program under another licence: it uses nothing
+// of ours but the sandbox and its file, and only tests of it may use TetGen or CGAL. host/convert is a
+// separate program too.
 const std::vector<Room>& rooms() {
   static const std::vector<Room> table{
       {"shaders/", {}, {"SPIR-V"}},
@@ -65,7 +65,7 @@ const std::vector<Room>& rooms() {
       {"host/page/",
        {"host/base/", "host/gltf/", "host/model/", "host/formats/", "host/bake/", "host/render/"},
        {"JSON"}},
-      // What others include: nothing of ours, and the C library.
+      // The public headers include nothing of ours, only the C library.
       {"include/fascicle/", {"export.h", "version.h", "solver.h", "fascicle.h"}, {"C"}},
       {"host/pipeline/",
        {"host/base/", "host/rig/", "host/scene/", "host/build/", "host/model/", "host/drive/",
@@ -90,7 +90,7 @@ const std::vector<Room>& rooms() {
   return table;
 }
 
-// Third-party headers, by how their names start.
+// Third-party headers, by prefix.
 const std::vector<std::pair<std::string, std::string>>& libraries() {
   static const std::vector<std::pair<std::string, std::string>> table{{"Eigen/", "Eigen"},
                                                                       {"tetgen.h", "TetGen"},
@@ -127,8 +127,8 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
   return table;
 }
 
-// A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
-// adds to them, of glibc malloc.h, and those of Linux and the compiler's sanitizers.
+// C++ library headers have no dot. Also the POSIX headers in use, some of which share C's names, malloc.h of
+// glibc, and headers of Linux and the compiler's sanitizers.
 bool is_system_header(const std::string& header) {
   static const std::set<std::string> posix{"arpa/inet.h", "netinet/in.h", "dlfcn.h",   "fcntl.h", "link.h",
                                            "malloc.h",    "poll.h",       "pthread.h", "sched.h", "signal.h",
@@ -158,7 +158,7 @@ std::string check_foreign(const Room& room, const std::string& header) {
   return "includes <" + header + ">, which no line of the library table names";
 }
 
-// Every breach in one file, as "path:line: room ...".
+// All violations in a file, as "path:line: room ...".
 std::vector<std::string> breaches(const Source& source) {
   const auto room = std::find_if(rooms().begin(), rooms().end(),
                                  [&](const Room& r) { return source.path.starts_with(r.folder); });
@@ -190,7 +190,7 @@ TEST(IncludeRules, EveryFileKeepsToItsRoom) {
 TEST(IncludeRules, QuotedIncludesAreRootedAtTheRepository) {
   static const std::regex own(R"re(^\s*#\s*include\s*"([^"]+)")re");
   for (const Source& source : read_sources(FASCICLE_SOURCE_DIR)) {
-    if (source.path.starts_with("include/")) continue;  // installed elsewhere, beside one another
+    if (source.path.starts_with("include/")) continue;  // public headers, installed side by side
     for (const std::string& line : lines_of(without_comments(source.text))) {
       std::smatch match;
       if (!std::regex_search(line, match, own)) continue;
@@ -200,7 +200,7 @@ TEST(IncludeRules, QuotedIncludesAreRootedAtTheRepository) {
   }
 }
 
-// What both languages see may not depend on anything, or it could not compile as GLSL.
+// Headers shared with GLSL must not include anything, or they could not compile there.
 TEST(IncludeRules, SharedHeaderIncludesNothingOfOurs) {
   for (const Source& source : read_sources(FASCICLE_SOURCE_DIR)) {
     if (source.path != "shaders/shared.h") continue;
@@ -210,7 +210,7 @@ TEST(IncludeRules, SharedHeaderIncludesNothingOfOurs) {
   FAIL() << "shaders/shared.h is not there";
 }
 
-// The controls: each kind of breach, planted, is seen.
+// The controls: each kind of planted violation is found.
 TEST(IncludeRules, PlantedBreachesAreSeen) {
   const std::vector<std::pair<std::string, std::string>> planted{
       {"gpu/bad.cpp", "#include \"cpu_reference/solver/cpu_solver.h\"\n"},

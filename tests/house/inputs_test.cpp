@@ -1,4 +1,4 @@
-// One door for what comes from outside: files are read by host/base/file.h, TOML is parsed by
+// All input from outside has one entry point: files are read by host/base/file.h, TOML is parsed by
 // host/scene/parse_toml.h.
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 namespace fascicle::tests {
 namespace {
 
-// Where `word` stands in the code of host, but in these files and below these folders.
+// Files of host whose code contains `word`, except those with an allowed prefix.
 std::vector<std::string> places_of(const std::string& word, const std::vector<std::string>& allowed) {
   std::vector<std::string> places;
   for (const Source& source : read_sources(FASCICLE_SOURCE_DIR)) {
@@ -28,7 +28,7 @@ TEST(Inputs, TomlIsParsedInOnePlace) {
 }
 
 TEST(Inputs, FilesAreReadInOnePlace) {
-  // Programs of their own, which see nothing of ours; what the system says of itself in /proc; and what a
+  // Allowed: separate programs, which use nothing of ours; system information in /proc; and files that a
   // helper of ours wrote into a temporary folder of ours.
   const std::vector<std::string> allowed{"host/mesher/",
                                          "host/convert/",
@@ -38,7 +38,7 @@ TEST(Inputs, FilesAreReadInOnePlace) {
                                          "host/cli/batch_status.cpp",
                                          "host/cli/bench_measure.cpp"};
   EXPECT_EQ(places_of("std::ifstream", allowed), std::vector<std::string>{});
-  // Folders are opened for their locks.
+  // host/bake/folder.cpp opens folders to lock them.
   for (const char* word : {"std::fstream", "fopen(", "::open("})
     EXPECT_EQ(places_of(word, {"host/base/", "host/mesher/", "host/convert/", "host/bake/folder.cpp"}),
               std::vector<std::string>{})

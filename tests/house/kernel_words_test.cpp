@@ -1,6 +1,5 @@
-// The words that kernels and shaders must not use, because devices differ in them (docs/architecture.md,
-// exactness). The build's check of the SPIR-V has the last word; this one names the line, and holds for the
-// C++ side too.
+// Words forbidden in kernels and shaders because devices differ in them (docs/architecture.md, exactness).
+// The build's check of the SPIR-V is decisive; this test names the line, and also covers the C++ side.
 #include <regex>
 #include <string>
 #include <vector>
@@ -24,13 +23,13 @@ const std::vector<Rule>& rules() {
            R"re(sinh|cosh|tanh|exp|exp2|log|log2|pow|abs|sign|floor|ceil|trunc|round|roundEven|fract|mod|step|)re"
            R"re(smoothstep|reflect|refract|transpose|inverse|determinant|outerProduct|matrixCompMult|ldexp|frexp)\s*\()re"),
        "built-in functions differ between devices"},
-      // A number may be exchanged: the schedule says of which fields, and gpu/plan_test holds shaders to it.
+      // Exchanging a number is allowed: the schedule lists the fields, and gpu/plan_test checks shaders
+      // against it.
       {std::regex(R"re(\b(atomic(?!Exchange\b)\w+|subgroup\w+)\s*\()re"),
        "the order of such a sum is the device's"},
       {std::regex(R"re(\b(double|d?mat[234](x[234])?|dvec[234]|float16_t|f16vec[234]|half)\b)re"),
        "kernels are scalar and 32 bits wide"},
-      // x + 0.0 and x * 0.0 lose the sign of zero, and compilers fold them where they are told that nobody
-      // minds.
+      // x + 0.0 and x * 0.0 lose the sign of zero, and compilers may fold them under relaxed rules.
       {std::regex(R"re([+*]\s*0\.0f?(?![0-9])|(^|[^0-9.])0\.0f?\s*[+*])re"),
        "arithmetic with a literal zero"},
   };
@@ -44,10 +43,10 @@ bool is_shader(const std::string& path) {
   return path.ends_with(".comp") || path.ends_with(".glsl");
 }
 
-// Every breach in one kernel or shader, as "path:line: why: text".
+// All violations in a kernel or shader, as "path:line: why: text".
 std::vector<std::string> forbidden_words(const Source& source) {
   static const std::regex directive(R"re(^\s*#\s*include\b)re");
-  // Whole numbers may be divided, by a constant that shows it is one.
+  // Integer division is allowed, by a constant that shows the operands are integers.
   static const std::regex whole_division(R"re(/\s*((slice_width|contact_(leaf|branch))\b|[0-9]+u\b))re");
   std::vector<std::string> found;
   const std::vector<std::string> lines = lines_of(without_comments(source.text));
@@ -66,7 +65,7 @@ std::vector<std::string> forbidden_words(const Source& source) {
 }
 
 TEST(KernelWords, KernelsAndShadersUseExactArithmeticOnly) {
-  std::size_t seen = 0;  // shaders/ only: tests keep planted breaches for the check of the SPIR-V
+  std::size_t seen = 0;  // shaders/ only: tests hold planted violations for the SPIR-V check
   for (const Source& source : read_sources(FASCICLE_SOURCE_DIR)) {
     if (!source.path.starts_with("shaders/") || (!is_kernel(source.path) && !is_shader(source.path)))
       continue;
@@ -76,7 +75,7 @@ TEST(KernelWords, KernelsAndShadersUseExactArithmeticOnly) {
   EXPECT_GE(seen, 12u) << "a kernel and a shader for each of the six stages";
 }
 
-// The controls: each banned thing, planted, is seen, and its harmless look-alike is not.
+// The controls: each forbidden word is found once planted, and its harmless look-alike is not.
 TEST(KernelWords, PlantedBreachesAreSeen) {
   for (const char* line : {"Real r = sqrt(x);",
                            "r = fma (a, b, c);",

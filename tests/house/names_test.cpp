@@ -1,5 +1,5 @@
-// One name for one thing: a stage is called the same everywhere, and every equation of the paper is found by
-// its number.
+// Consistent names: a stage has the same name everywhere, and every equation of the paper can be found by its
+// number.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -56,7 +56,7 @@ TEST(Names, EveryEquationIsFoundByItsNumberInTheOracle) {
         << "no comment of the oracle names equation " << marked(equation);
 }
 
-// (7) is (6) at rest, and a kernel names both as a range.
+// (7) and (8) are the same sums as (6) and (9), which a kernel cites as a range.
 TEST(Names, EveryEquationIsFoundByItsNumberInTheProgram) {
   const std::vector<Source> sources = read_sources(FASCICLE_SOURCE_DIR);
   for (int equation = first_equation; equation <= last_equation; ++equation) {
@@ -66,7 +66,7 @@ TEST(Names, EveryEquationIsFoundByItsNumberInTheProgram) {
   }
 }
 
-// The control: a number in code is no citation.
+// The control: a number in code is not a citation.
 TEST(Names, OnlyCommentsCite) {
   EXPECT_FALSE(names_equation({{"host/build/a.cpp", "int x = f(12);\nconst char* s = \"(12) // (12)\";\n"}},
                               {"host/"}, 12));

@@ -1,5 +1,5 @@
-// docs/paper.md is what `./do paper` writes: what its numbers give, with pictures that are there. Whether the
-// numbers are what the program measures is asked where the program is (tests/cli).
+// docs/paper.md is what `./do paper` generates from its numbers, and its pictures exist. tests/cli checks
+// that the program measures those numbers.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +22,7 @@ std::string text_in(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A copy of the page, its numbers and its pictures, and what the generator says of it.
+// A copy of the page, its numbers and pictures, and what the generator reports about it.
 class PaperPage : public testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class PaperPage : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // The first thing that is wrong, or nothing.
+  // The first complaint; empty if there is none.
   std::string complaint() const {
     const std::string command = "python3 -B '" + (repository / "docs/paper.py").string() +
                                 "' --check --docs '" + folder_.string() + "' 2> '" +
@@ -72,7 +72,7 @@ TEST_F(PaperPage, ShowsEveryFigureAndTableItPromises) {
     EXPECT_NE(page.find(heading), std::string::npos) << heading;
 }
 
-// The controls: each of these is seen.
+// The controls: each of these changes is detected.
 TEST_F(PaperPage, SeesAChangedPage) {
   change("paper.md", "It holds.", "It holds!");
   EXPECT_NE(complaint().find("paper.md is not what paper.json gives"), std::string::npos);

@@ -1,5 +1,5 @@
-"""portable_contents.py FOLDER: the list of what is in the portable pair (cmake/sbom.py) names each file with its
-checksum, what is linked into it, and what lies beside it."""
+"""portable_contents.py FOLDER: checks the component list of the portable pair (cmake/sbom.py): every file with its
+checksum, the statically linked libraries, and the libraries next to the programs."""
 
 import hashlib
 import json

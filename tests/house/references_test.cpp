@@ -1,5 +1,4 @@
-// What the repository refers to is in it: documents named in code, comments and docs, and what the docs link
-// to.
+// References resolve: documents named in code, comments and docs exist, and so do link targets in docs.
 #include <array>
 #include <filesystem>
 #include <regex>
@@ -23,9 +22,8 @@ bool ends_a_path(const std::set<std::string>& paths, const std::string& end) {
   return false;
 }
 
-// Every reference to a document or by a link that leads nowhere, as "path:line: reference". `paths` are all
-// files and folders of the repository. A document may be named by the end of its path; a link leads from its
-// own folder.
+// Unresolved references and links, as "path:line: reference". `paths` are all files and folders of the
+// repository. A document may be named by the end of its path; links are relative to their own folder.
 std::vector<std::string> missing_references(const Source& source, const std::set<std::string>& paths) {
   static const std::regex document(R"re([A-Za-z0-9_./-]*[A-Za-z0-9_-]\.(md|rst|pdf|docx|odt)\b)re");
   static const std::regex link(R"re(\]\(([^)#:]+)(#[^)]*)?\))re");
@@ -61,12 +59,12 @@ TEST(References, LeadToWhatIsThere) {
       paths.insert(path.generic_string());
   ASSERT_TRUE(paths.contains("README.md") && paths.contains("docs/architecture.md") && paths.contains("do"));
   for (const Source& file : files) {
-    if (file.path.starts_with("tests/house/")) continue;  // controls of these tests lead nowhere
+    if (file.path.starts_with("tests/house/")) continue;  // has dead references as controls
     for (const std::string& missing : missing_references(file, paths)) ADD_FAILURE() << missing;
   }
 }
 
-// The controls: what leads nowhere is seen, and what leads somewhere is not.
+// The controls: dead references are found, and valid ones pass.
 TEST(References, ThatLeadNowhereAreSeen) {
   const std::set<std::string> paths{"README.md", "docs", "docs/architecture.md", "docs/figures/a.png",
                                     "host/a.cpp"};

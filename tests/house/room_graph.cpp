@@ -11,7 +11,7 @@ namespace {
 
 constexpr int box_width = 160, box_height = 26, row = 36, margin = 16;
 
-// Every room that is reached from `from` by at least one arrow.
+// All rooms reachable from `from` by at least one arrow.
 std::set<std::string> below(const RoomGraph& graph, const std::string& from) {
   std::set<std::string> found;
   std::vector<std::string> open{from};
@@ -24,7 +24,7 @@ std::set<std::string> below(const RoomGraph& graph, const std::string& from) {
   return found;
 }
 
-// Without the arrows that lead where a way over another room leads too.
+// Transitive reduction: without arrows that are implied by longer paths.
 RoomGraph without_shortcuts(const RoomGraph& graph) {
   RoomGraph left = graph;
   for (auto& [room, targets] : left)
@@ -33,7 +33,7 @@ RoomGraph without_shortcuts(const RoomGraph& graph) {
   return left;
 }
 
-// Each room before all that it includes; those that stand on most rooms first.
+// Topological order: each room before the rooms it includes, those with the most rooms below them first.
 std::vector<std::string> from_top_to_bottom(const RoomGraph& graph) {
   std::map<std::string, int> levels;
   const std::function<int(const std::string&)> level_of = [&](const std::string& room) {
@@ -73,7 +73,7 @@ RoomGraph room_graph(const std::vector<Source>& sources) {
       if (!target.empty() && target != room) targets.insert(target);
     }
   }
-  // What is included stands in the picture, though no file of it was handed over.
+  // The picture also shows included rooms that have no files of their own in the graph.
   const RoomGraph found = graph;
   for (const auto& [room, targets] : found)
     for (const std::string& target : targets) graph[target];

@@ -1,4 +1,4 @@
-// Which room includes which, read from the #include lines, and as a picture.
+// The graph of which room includes which, from #include lines, and a picture of it.
 #pragma once
 
 #include <map>
@@ -10,20 +10,20 @@
 
 namespace fascicle::tests {
 
-// Of each room the rooms that its files include.
+// For each room, the rooms that its files include.
 using RoomGraph = std::map<std::string, std::set<std::string>>;
 
-// "host/bake", "cpu_reference/oracle", "gpu", ...; empty for what no other room includes: tests, bench, and
-// what lies in no room.
+// "host/bake", "cpu_reference/oracle", "gpu", ...; empty for what no room includes: tests, bench, and files
+// outside the rooms.
 std::string room_of(const std::string& path);
 
 RoomGraph room_graph(const std::vector<Source>& sources);
 
-// The rooms along one cycle, the first one again at the end; empty where every arrow leads down.
+// The rooms of a cycle, the first one repeated at the end; empty if there is no cycle.
 std::vector<std::string> cycle_in(const RoomGraph& graph);
 
-// SVG: one room a line, above all that it includes, so that every arrow leads down. Arrows that follow from
-// others are left out; the description holds all of them. The graph must have no cycle.
+// An SVG with one room per line, above all rooms that it includes, so that every arrow points down. Implied
+// arrows are left out of the picture; its description lists all. The graph must have no cycle.
 std::string picture_of(const RoomGraph& graph);
 
 }  // namespace fascicle::tests

@@ -1,5 +1,4 @@
-// No arrow runs back up: the rooms include each other in one direction, and the picture of that is the
-// present one.
+// The include graph of rooms has no cycle, and its picture is up to date.
 #include "tests/house/room_graph.h"
 
 #include <fstream>
@@ -31,8 +30,8 @@ TEST(RoomGraph, IsTheOneInThePicture) {
   EXPECT_TRUE(drawn.str() == picture_of(graph)) << "docs/figures/rooms.svg is out of date; run ./do rooms";
 }
 
-// The controls: an include that leads up is seen, straight and over rooms between, and a new arrow changes
-// the picture.
+// The controls: an upward include is detected, direct or through other rooms, and a new arrow changes the
+// picture.
 TEST(RoomGraph, APlantedUpwardIncludeIsSeen) {
   std::vector<Source> sources = read_sources(FASCICLE_SOURCE_DIR);
   sources.push_back({"host/formats/planted.cpp", "#include \"host/bake/bake.h\"\n"});
@@ -50,7 +49,7 @@ TEST(RoomGraph, APlantedUpwardIncludeIsSeen) {
 TEST(RoomGraph, ANewArrowChangesThePicture) {
   const RoomGraph graph{{"a", {"b"}}, {"b", {"c"}}, {"c", {}}};
   RoomGraph more = graph;
-  more["a"].insert("c");  // one that follows from others
+  more["a"].insert("c");  // an implied arrow
   EXPECT_NE(picture_of(graph), picture_of(more));
 }
 

@@ -1,8 +1,8 @@
-"""The lists of what is in each package (cmake/sbom.py): valid, true to what is installed, and refused where
-docs/licences.md does not know a part.
+"""The component lists of the packages (cmake/sbom.py): they are valid and match what is installed, and a component that
+docs/licences.md does not know is refused.
 
-Environment: FASCICLE_CMAKE, FASCICLE_BINARY_DIR, FASCICLE_SOURCE_DIR; FASCICLE_COMPONENTS that were built, with commas
-between them, and FASCICLE_WITHOUT, the parts of others that were not.
+Environment: FASCICLE_CMAKE, FASCICLE_BINARY_DIR, FASCICLE_SOURCE_DIR; FASCICLE_COMPONENTS: the built components,
+comma-separated; and FASCICLE_WITHOUT: parts that were not built.
 """
 import copy
 import datetime
@@ -26,7 +26,7 @@ EPOCH = "1700000000"
 
 
 def faults_of(document):
-    """What SPDX 2.3 asks for and the document lacks; the fields are those of its clauses 6, 7, 8 and 11."""
+    """What the document lacks by SPDX 2.3; the fields are those of its clauses 6, 7, 8 and 11."""
     faults = []
 
     def need(where, element, field, pattern=".", kind=str):
@@ -57,7 +57,7 @@ def faults_of(document):
         for licence in ("licenseConcluded", "licenseDeclared"):
             need(where, package, licence, r"^[A-Za-z0-9.-]+( (AND|OR|WITH) [A-Za-z0-9.-]+)*$")
         need(where, package, "filesAnalyzed", kind=bool)
-        # Of a package whose files are listed the verification code is mandatory.
+        # A package with listed files must have a verification code.
         if package.get("filesAnalyzed"):
             need(where, package, "packageVerificationCode", kind=dict)
         for reference in package.get("externalRefs", []):
@@ -172,7 +172,7 @@ class Lists(unittest.TestCase):
         datetime.datetime.strptime(document["creationInfo"]["created"], "%Y-%m-%dT%H:%M:%SZ")
 
     def write_list(self, program, *options, source=SOURCE, programs=None):
-        """What sbom.py says of a program as the mesher, and the list; `programs` come before those of PATH."""
+        """sbom.py's output for a program as the mesher, and the list; `programs` come first in PATH."""
         list_ = self.folder / "list.json"
         list_.unlink(missing_ok=True)
         path = os.pathsep.join([str(programs)] * (programs is not None) + [os.environ["PATH"]])
@@ -212,7 +212,7 @@ class Lists(unittest.TestCase):
         self.assertIsNone(list_)
 
     def fake_dpkg(self, owners):
-        """A dpkg-query that knows these packages, each its own source: what it prints for what is asked."""
+        """A fake dpkg-query that knows these packages, each its own source, and prints the requested fields."""
         folder = self.folder / "programs"
         folder.mkdir(exist_ok=True)
         cases = "".join(f"  -S*/{library}.*) printf '{words}' ;;\n" for library, words in owners.items())

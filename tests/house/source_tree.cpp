@@ -9,7 +9,7 @@
 namespace fascicle::tests {
 namespace {
 
-// Splits text into comments and the rest: each character of the one is a space in the other.
+// Splits text into comments and code, each with the other replaced by spaces.
 struct Split {
   std::string code, comments;
 };

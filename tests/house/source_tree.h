@@ -1,4 +1,4 @@
-// The repository's own sources as text, for tests that hold rules against them.
+// The repository's sources as text, for tests of rules.
 #pragma once
 
 #include <filesystem>
@@ -8,18 +8,18 @@
 namespace fascicle::tests {
 
 struct Source {
-  std::string path;  // from the repository's root, with '/'
+  std::string path;  // relative to the repository, with '/'
   std::string text;
 };
 
-// Every .h .hpp .c .cpp .inc .comp .glsl file of the rooms, by path.
+// Every .h .hpp .c .cpp .inc .comp .glsl file of the rooms, sorted by path.
 std::vector<Source> read_sources(const std::filesystem::path& root);
 
-// Every file that belongs to the repository, by path; of pictures and other bytes the text is empty.
+// Every file of the repository, sorted by path; binary files have an empty text.
 std::vector<Source> read_repository(const std::filesystem::path& root);
 
-// The text with comments turned into spaces, or with everything but comments; lines stay where they are.
-// Knows string and character literals and raw strings.
+// The text with comments, or everything but comments, replaced by spaces; line numbers stay. Handles string
+// and character literals and raw strings.
 std::string without_comments(const std::string& text);
 std::string only_comments(const std::string& text);
 

@@ -1,6 +1,6 @@
-// Presets release, asan and tsan compile several sources of a folder as one, in groups that shift with every
-// new source. So what sources keep to themselves has names of its own in its folder. CI compiles source by
-// source and would not see it: `./do bake` once failed in a clean clone.
+// Presets release, asan and tsan are unity builds: they compile several sources of a folder as one, in groups
+// that change with every new source. So names local to a source must be unique in its folder. CI compiles
+// sources separately and would not notice: `./do bake` once failed in a clean clone.
 #include <map>
 #include <regex>
 #include <set>
@@ -18,11 +18,11 @@ std::string folder_of(const std::string& path) {
   return path.substr(0, path.rfind('/'));
 }
 
-// What begins on a line: names, and of a function the types of its parameters, as far as they stand on the
-// line. What is only declared anew, as `using` of the same type, may stand twice.
+// The names that a line defines, and for a function its parameter types as far as they are on that line. A
+// mere redeclaration, such as `using` of the same type, may be repeated.
 struct Defined {
   std::vector<std::string> names;
-  std::string parameters = {};  // with '('; empty where it is no function
+  std::string parameters = {};  // with '('; empty if not a function
 };
 Defined defined_on(const std::string& line) {
   static const std::regex type(R"(^(?:struct|class|enum class|enum) (\w+).*\{)"),
@@ -45,10 +45,10 @@ Defined defined_on(const std::string& line) {
   return {};
 }
 
-// "folder: name in a.cpp b.cpp" of each name that several sources of a folder define in namespaces without a
-// name. Functions may share one where their parameters differ.
+// "folder: name in a.cpp b.cpp" for each name that several sources of a folder define in unnamed namespaces.
+// Functions may share a name if their parameters differ.
 std::vector<std::string> clashes(const std::vector<Source>& sources) {
-  using Users = std::map<std::string, std::set<std::string>>;  // by parameters
+  using Users = std::map<std::string, std::set<std::string>>;  // key: parameters
   std::map<std::pair<std::string, std::string>, Users> all;
   for (const Source& source : sources) {
     if (!source.path.ends_with(".cpp")) continue;
@@ -76,7 +76,8 @@ std::vector<std::string> clashes(const std::vector<Source>& sources) {
   return found;
 }
 
-// Tests are left out: CI compiles them together, and what clashes stands APART in their CMakeLists.txt.
+// Tests are exempt: CI compiles them as unity builds, and clashing sources are listed as APART in their
+// CMakeLists.txt.
 TEST(Unity, SourcesOfAFolderKeepNamesOfTheirOwn) {
   std::vector<Source> sources;
   for (Source& source : read_sources(FASCICLE_SOURCE_DIR))
@@ -87,7 +88,7 @@ TEST(Unity, SourcesOfAFolderKeepNamesOfTheirOwn) {
     ADD_FAILURE() << clash << ": call one of them something else";
 }
 
-// The control: what clashes is found, and what does not is left alone.
+// The control: clashing names are found, and others are not.
 TEST(Unity, AClashIsFound) {
   const std::string first =
       "namespace {\n"

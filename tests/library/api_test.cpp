@@ -1,4 +1,4 @@
-// The C API: scenes and bakes, and what every function says of bad arguments.
+// The C API: scenes and bakes, and the handling of bad arguments by every function.
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -24,7 +24,7 @@ std::string message() {
   return fascicle_last_message();
 }
 
-// Expects the status and that the message holds `part`.
+// Expects the status, and `part` in the message.
 #define EXPECT_FAILS(call, wanted, part)                                            \
   do {                                                                              \
     EXPECT_EQ(call, wanted) << message();                                           \
@@ -143,7 +143,7 @@ TEST(CApi, OptionsChangeTheSceneAndBadOnesAreRefused) {
   EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
                "options.set[0]");
   options.set_count = 0;
-  options.struct_size = 0;  // not made by _default()
+  options.struct_size = 0;  // not from _default()
   EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
                "struct_size");
   options.struct_size = sizeof options + 8;
@@ -151,7 +151,7 @@ TEST(CApi, OptionsChangeTheSceneAndBadOnesAreRefused) {
                "struct_size");
 }
 
-// A program compiled with headers that end after `fps`.
+// As from a program compiled with headers that end after `fps`.
 TEST(CApi, ShorterOptionsOfOlderHeadersAreEnough) {
   fascicle_scene_options options;
   const std::size_t older = offsetof(fascicle_scene_options, start);
@@ -257,7 +257,7 @@ TEST(CApi, ABakeReportsAndIsTheProgramsOwn) {
   }
   EXPECT_TRUE(has_pc2);
 
-  // The program bakes the same text to the same bytes.
+  // The program bakes the same scene text to the same bytes.
   std::ofstream(folder / "bar.toml") << small_bar;
   const Ran ran = run_in_shell(std::string(FASCICLE_PROGRAM) + " bake " + (folder / "bar.toml") + " -o " +
                                (folder / "program") + " --format pc2 --no-cache --device cpu");
@@ -274,7 +274,7 @@ TEST(CApi, ABakeReportsAndIsTheProgramsOwn) {
     EXPECT_TRUE(a.str() == b.str()) << name;
   }
 
-  // Again into the same folder: only when asked to.
+  // A second bake into the same folder needs `overwrite`.
   EXPECT_FAILS(fascicle_bake_run(scene, &options, nullptr), FASCICLE_BAD_ARGUMENT, "holds a bake");
   options.overwrite = 1;
   EXPECT_EQ(fascicle_bake_run(scene, &options, nullptr), FASCICLE_OK) << message();
@@ -303,7 +303,7 @@ TEST(CApi, ACancelledBakeGoesOnToTheSameBits) {
   EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED,
                " of 6; the same bake with options.resume");
   ASSERT_NE(bake, nullptr);
-  // A frame may be under way when the one before it is told of.
+  // The next frame may be in progress when a frame is reported.
   EXPECT_GE(fascicle_bake_frames(bake), 3u);
   EXPECT_LT(fascicle_bake_frames(bake), 6u);
   EXPECT_NE(fascicle_bake_position_hash(bake), hash);
@@ -329,7 +329,7 @@ TEST(CApi, ABakeNeedNotKeepFrames) {
   ASSERT_EQ(fascicle_bake_run(scene, &options, nullptr), FASCICLE_OK) << message();
   EXPECT_TRUE(std::filesystem::exists(out + "/metrics.csv"));
   EXPECT_FALSE(std::filesystem::exists(out + "/frames.fascicle"));
-  // A program with headers from before the option keeps them.
+  // Programs compiled before the option existed keep the frames.
   const std::string old = folder / "old";
   options = options_for(old);
   options.struct_size = offsetof(fascicle_bake_options, keep_frames);
@@ -376,7 +376,7 @@ void write_cube(const std::string& file) {
                          "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
 }
 
-// Neither the program's folder nor the user's cache: both are parameters.
+// Mesher and cache are parameters: neither the program's folder nor the user's cache is used.
 TEST(CApi, MesherAndCacheAreParameters) {
   const Folder folder;
   write_cube(folder / "cube.off");
@@ -402,7 +402,7 @@ TEST(CApi, MesherAndCacheAreParameters) {
   fascicle_scene_destroy(scene);
 }
 
-// The one that is given converts the character when it is read, and again when it is baked.
+// The given converter runs when the character is read, and again when it is baked.
 TEST(CApi, TheConverterIsAParameter) {
   const Folder folder;
   const std::string made = folder / "made", out = folder / "out", converter = folder / "converter",
@@ -440,10 +440,10 @@ TEST(CApi, TheConverterIsAParameter) {
   fascicle_scene_destroy(scene);
 }
 
-// Cancels at a call, counted from 1, or as soon as a file is there.
+// Cancels at a call, counted from 1, or once a file exists.
 struct Canceller {
   int calls = 0, cancel_at = 0;
-  std::string waits_for;  // the file; empty: by calls
+  std::string waits_for;  // the file; empty: cancel by calls
 };
 
 int cancel(void* user, fascicle_phase phase, uint64_t done, uint64_t total) {
@@ -454,7 +454,7 @@ int cancel(void* user, fascicle_phase phase, uint64_t done, uint64_t total) {
   return ++canceller.calls == canceller.cancel_at ? 1 : 0;
 }
 
-// Helpers' files go to a folder of the test's own.
+// Sends the helpers' temporary files to a folder of the test.
 class TemporaryFiles {
  public:
   explicit TemporaryFiles(const std::string& folder) {
@@ -481,7 +481,8 @@ void expect_nothing_left(const std::string& temporary) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-// Wherever a build is cancelled it says so and leaves nothing, and one that is not is built.
+// A cancelled build returns FASCICLE_CANCELLED and leaves nothing behind, at whatever call; otherwise it
+// succeeds.
 TEST(CApi, ABuildIsCancelledAnywhere) {
   const Folder folder;
   write_cube(folder / "cube.off");
@@ -507,14 +508,14 @@ TEST(CApi, ABuildIsCancelledAnywhere) {
     ASSERT_EQ(model, nullptr);
     EXPECT_EQ(canceller.calls, canceller.cancel_at) << "it is not asked again";
   }
-  // Before and after the body, at least once in each run of the mesher, and between what follows.
+  // Before and after the body, at least once per run of the mesher, and between the later steps.
   EXPECT_GE(canceller.calls, 8);
   EXPECT_GT(fascicle_model_tetrahedron_count(model), 0u);
   fascicle_model_destroy(model);
   fascicle_scene_destroy(scene);
 }
 
-// A mesher that would go on for a minute is ended at once, with its folder.
+// Cancelling ends a mesher that would run for a minute, and removes its folder.
 TEST(CApi, AMesherThatRunsIsEndedWithItsBuild) {
   const Folder folder;
   write_cube(folder / "cube.off");
@@ -546,7 +547,7 @@ TEST(CApi, AMesherThatRunsIsEndedWithItsBuild) {
                "before the model was built");
   EXPECT_EQ(model, nullptr);
   expect_ended();
-  // A bake builds too.
+  // So does cancelling a bake.
   const std::string out = folder / "out";
   fascicle_bake_options bake_options = options_for(out);
   bake_options.mesher = mesher.c_str();

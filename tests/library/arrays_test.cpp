@@ -1,4 +1,4 @@
-// Level 3: models as arrays, and the solver on them.
+// Level 3: models as arrays, and solvers of them.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -36,12 +36,12 @@ fascicle_array& named(std::vector<fascicle_array>& arrays, const std::string& na
   return *found;
 }
 
-// What the scene's own stepping gives, frame by frame, is what these drives say.
+// The position hash after six frames: these drives give the same as the scene's own stepping.
 std::string hash_after(fascicle_solver* solver, bool by_drives) {
   fascicle_frame frame{};
   EXPECT_EQ(fascicle_solver_frame(solver, &frame), FASCICLE_OK);
   fascicle_drive drive = fascicle_drive_default();
-  // exp(-damping h) of 1/s at 60 frames a second, as the scene's drive has it.
+  // exp(-damping h) for 1/s at 60 fps, as in the scene's drive.
   const float decay = 0.983471453f;
   drive.h = 1.0 / 60.0;
   drive.decay = &decay;
@@ -74,7 +74,7 @@ TEST(Arrays, AModelOfArraysMovesAsTheOneTheyWereTakenFrom) {
   fascicle_solver *of_scene = nullptr, *of_arrays = nullptr;
   ASSERT_EQ(fascicle_solver_create(built, device, nullptr, &of_scene), FASCICLE_OK);
   ASSERT_EQ(fascicle_solver_create(copy, device, nullptr, &of_arrays), FASCICLE_OK);
-  // In any order: a solver keeps what it needs.
+  // In any order of destruction: a solver keeps what it needs.
   fascicle_model_destroy(built);
   fascicle_model_destroy(copy);
   fascicle_device_destroy(device);
@@ -98,7 +98,7 @@ TEST(Arrays, WrongOnesAreNamed) {
     EXPECT_EQ(model, nullptr);
   };
   using Arrays = std::vector<fascicle_array>;
-  refused("share_taken", [](Arrays& a) { --named(a, "ring").count; });  // one for each of the ring
+  refused("share_taken", [](Arrays& a) { --named(a, "ring").count; });  // must match the ring
   refused("rest", [](Arrays& a) {
     a.erase(std::find_if(a.begin(), a.end(), [](auto& x) { return !std::strcmp(x.name, "rest"); }));
   });
@@ -133,7 +133,7 @@ TEST(Arrays, WrongDrivesAreRefused) {
   EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_BAD_ARGUMENT) << "decay is null";
   EXPECT_NE(std::string(fascicle_last_message()).find("drive.decay"), std::string::npos);
   EXPECT_EQ(fascicle_solver_step_drive(solver, nullptr), FASCICLE_BAD_ARGUMENT);
-  // Counts are checked before memory is asked for or read by them.
+  // Counts are checked before they are used to allocate or read.
   const float one = 1.0F;
   drive.decay = drive.bones = drive.muscles = drive.forces = &one;
   std::size_t fascicle_drive::*const counts[] = {&fascicle_drive::bone_count, &fascicle_drive::muscle_count,

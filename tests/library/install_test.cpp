@@ -24,7 +24,7 @@ TEST(Library, ExportsItsOwnNamesAlone) {
   EXPECT_GT(count, 40u);
 }
 
-// The header's functions are the library's, neither more nor fewer.
+// The library exports exactly the functions of the headers.
 TEST(Library, ExportsWhatTheHeadersDeclare) {
   const std::string headers = std::string(FASCICLE_SOURCE_DIR) + "/include/fascicle/";
   const Ran declared = run_in_shell("cat " + headers + "fascicle.h " + headers + "solver.h");
@@ -44,7 +44,7 @@ TEST(Library, HasASoname) {
   EXPECT_NE(ran.out.find("[libfascicle.so.0]"), std::string::npos) << ran.out;
 }
 
-// Every program text on the page is in the examples, word for word.
+// Every program on the page is in the examples, word for word.
 TEST(Library, ThePageShowsTheExamples) {
   const std::string docs = FASCICLE_SOURCE_DIR "/docs/";
   const std::string page = run_in_shell("cat " + docs + "library.md").out;
@@ -64,7 +64,7 @@ std::string only_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-// The last line that the program prints of a hash.
+// The last line of the output that holds a hash.
 std::string hash_in(const std::string& text) {
   const std::string mark = "position hash of the last frame: ";
   const std::size_t found = text.find(mark);
@@ -82,7 +82,7 @@ TEST(Library, InstalledItServesAProgramOutsideTheTree) {
   ASSERT_EQ(ran.status, 0) << ran.out;
   ran = run_in_shell("cp -r " FASCICLE_SOURCE_DIR "/docs/examples/library " + examples);
   ASSERT_EQ(ran.status, 0) << ran.out;
-  // Moved: nothing in it may point to where it was.
+  // Moved, so that no file may depend on its old place.
   const std::string moved = folder / "moved";
   std::filesystem::rename(prefix, moved);
   const std::string compilers = std::string(" -DCMAKE_C_COMPILER=") + FASCICLE_C_COMPILER +
@@ -98,7 +98,7 @@ TEST(Library, InstalledItServesAProgramOutsideTheTree) {
             "")
       << "our flags and folders reach users";
 
-  // By pkg-config.
+  // With pkg-config.
   ran = run_in_shell("export PKG_CONFIG_PATH=$(dirname $(find " + moved + " -name fascicle.pc)); " +
                      FASCICLE_C_COMPILER + " -std=c11 -o " + (folder / "by_pkg_config") + " " + examples +
                      "/bake_character.c $(pkg-config --cflags --libs fascicle) -Wl,-rpath,$(pkg-config "
@@ -122,7 +122,7 @@ TEST(Library, InstalledItServesAProgramOutsideTheTree) {
   ran = run_in_shell(build + "/solver_alone");
   EXPECT_EQ(ran.status, 0) << ran.out;
 
-  // The installed program is whole too, and so is the library: both find the mesher in the prefix.
+  // The installed program works too: it and the library find the mesher in the prefix.
   ran = run_in_shell("PATH=/usr/bin:/bin " + moved +
                      "/bin/fascicle bake arm --end 0.05 --no-cache --device cpu -o " + (folder / "b"));
   ASSERT_EQ(ran.status, 0) << ran.out;

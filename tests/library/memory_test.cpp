@@ -1,4 +1,4 @@
-// No memory at all is still a status and a text: nothing crosses the C API, and nothing ends the program.
+// Out of memory gives a status and a message: no exception crosses the C API, and the process survives.
 #include <cstdlib>
 #include <new>
 #include <string>
@@ -14,8 +14,8 @@ thread_local bool memory_is_out = false;
 
 }  // namespace
 
-// The library's too: a program's operator new goes before every other. Not inline, or GCC warns that a free()
-// belongs to no new.
+// Also replaces operator new of the library: the program's definition takes precedence. Not inline, or GCC
+// warns that a free() does not match its new.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   void* const memory = memory_is_out ? nullptr : std::malloc(size == 0 ? 1 : size);
   if (memory == nullptr) throw std::bad_alloc();
@@ -31,13 +31,13 @@ thread_local bool memory_is_out = false;
 namespace fascicle_tests {
 namespace {
 
-// On a thread of its own, which has kept no message yet and so has no room for one.
+// On a new thread, which has no message yet and so no buffer for one.
 TEST(Memory, WithoutItCallsFailWithAMessage) {
   fascicle_scene* const untouched = reinterpret_cast<fascicle_scene*>(1);
   fascicle_scene* scene = untouched;
   fascicle_status loaded = FASCICLE_OK, refused = FASCICLE_OK;
   const char *text = nullptr, *other = nullptr;
-  // Read beforehand: toml++, which reads the built-in scenes once, ends the program where it has no memory.
+  // Read this first: toml++, which parses the built-in scenes once, terminates when it runs out of memory.
   ASSERT_NE(fascicle_builtin_scene_name(0), nullptr);
   std::thread([&] {
     memory_is_out = true;

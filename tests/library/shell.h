@@ -1,5 +1,4 @@
-// Commands, folders and small scenes for the tests of the library, which see none of the program's own
-// helpers.
+// Commands, folders and small scenes for the tests of the library, which cannot use the program's helpers.
 #pragma once
 
 #include <array>
@@ -12,7 +11,7 @@
 
 namespace fascicle_tests {
 
-// A folder that goes away with its owner.
+// A folder that is removed with its owner.
 class Folder {
  public:
   Folder() : path_((std::filesystem::temp_directory_path() / "fascicle-library-XXXXXX").string()) {

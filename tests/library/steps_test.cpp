@@ -1,4 +1,4 @@
-// Level 2: a body stepped by its clip, and by poses from outside.
+// Level 2: a body stepped by its clip and by external poses.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,8 +13,8 @@
 namespace fascicle_tests {
 namespace {
 
-// A made arm of few vertices that curls; a substep a frame, so that the clip's poses are all there is to
-// know.
+// A generated arm of few vertices that curls; one substep per frame, so that the clip's poses determine
+// everything.
 const fascicle::scene& arm() {
   static const fascicle::scene scene("arm", {.set = {"solver.substeps=1", "motion.preroll=0.0"}, .end = 1.0});
   return scene;
@@ -44,7 +44,7 @@ TEST(Steps, ByTheClipTheyAreTheBakes) {
   EXPECT_EQ(solver.position_hash(), bake.position_hash());
 }
 
-// The clip's poses, given one by one, are another way to say the clip. It begins at rest, so both start
+// The clip's poses, passed one by one, move the body as the clip does. The clip begins at rest, so both start
 // alike.
 TEST(Steps, TheClipsOwnPosesMoveTheBodyAsTheClipDoes) {
   fascicle::solver by_clip(arm_model(), fascicle::device("cpu")),
@@ -58,7 +58,7 @@ TEST(Steps, TheClipsOwnPosesMoveTheBodyAsTheClipDoes) {
   }
   const float moved = distance(before, by_clip.positions());
   EXPECT_GT(moved, 1e-3F) << "the clip does nothing";
-  // What differs is the start's speed: the clip's first frame moves, however little.
+  // Only the initial velocity differs: the clip's first frame moves slightly.
   EXPECT_LT(distance(by_clip.positions(), by_poses.positions()), 0.02F * moved);
 }
 
@@ -80,7 +80,7 @@ TEST(Steps, APoseThatJumpsCarriesTheFleshAlong) {
   for (std::size_t k = 0; k < after.size(); k += 3) after[k] -= 8.0F;
   EXPECT_LT(distance(before, after), 1e-3F);
   EXPECT_LT(speed(solver.frame()), 0.1);
-  // The control: without the word the flesh is thrown, 8 m in a frame.
+  // The control: without the flag the flesh is thrown, by 8 m in a frame.
   solver.start_pose(pose);
   solver.step_pose(far);
   EXPECT_GT(speed(solver.frame()), 10.0);
@@ -117,7 +117,7 @@ TEST(Steps, WhatWasSavedGoesOnWithTheSameBits) {
   for (int k = 0; k < 4; ++k) other.step_clip();
   EXPECT_EQ(other.position_hash(), solver.position_hash());
 
-  // By poses the last one goes along: the next frame begins there.
+  // With poses, the last pose is saved too: the next frame starts there.
   solver.start_pose(solver.clip_pose(0));
   solver.step_pose(solver.clip_pose(5));
   const std::vector<std::byte> by_poses = solver.save();
@@ -139,7 +139,7 @@ TEST(Steps, DamagedAndForeignStatesAreRefused) {
       EXPECT_EQ(error.status(), FASCICLE_BAD_INPUT) << why << ": " << error.what();
     }
   };
-  // Every length, and every byte of the head turned.
+  // Truncated at many lengths, and with single bits flipped.
   for (std::size_t length = 1; length < good.size(); length += 1 + good.size() / 50)
     refused(solver, {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)}, "cut off");
   for (const std::size_t k : {std::size_t{0}, std::size_t{16}, std::size_t{24}, good.size() - 1}) {
@@ -198,7 +198,7 @@ TEST(Steps, ALeadInIsCancelled) {
   EXPECT_EQ(calls, 3);
   EXPECT_THROW(solver.step_clip(), fascicle::error);
 
-  // Of a bake likewise: nothing is written yet, and it goes on.
+  // The same for a bake: nothing is written yet, and it can be resumed.
   const Folder folder;
   fascicle::bake_options options{.folder = folder / "out", .device = "cpu", .cache = ""};
   options.progress = [](fascicle_phase phase, std::uint64_t done, std::uint64_t) {
@@ -213,7 +213,7 @@ TEST(Steps, ALeadInIsCancelled) {
   EXPECT_EQ(solver.position_hash(), bake.position_hash()) << "the lead-in is the bake's";
 }
 
-// A count of another frame is refused before a number of it is read: the second pose here is no pose.
+// A wrong pose count is refused before any number is read: the second pose here is not valid.
 TEST(Steps, PosesAreCountedBeforeTheyAreRead) {
   fascicle::solver solver(arm_model(), fascicle::device("cpu"));
   std::vector<double> poses = solver.clip_pose(0);
@@ -245,13 +245,13 @@ TEST(Steps, PosesColumnByColumnAreRefused) {
     EXPECT_NE(std::string(error.what()).find("the last row must be 0 0 0 1"), std::string::npos)
         << error.what();
   }
-  // Poses that were mixed or inverted have it but for their rounding.
+  // Blended or inverted poses have this row only up to rounding.
   std::vector<double> rounded = pose;
   rounded[15] -= 0x1p-50;
   EXPECT_NO_THROW(solver.start_pose(rounded));
 }
 
-// Beyond the scene's last frame the clip goes on to its own end; where it is held, it is held.
+// After the scene's last frame the clip plays on to its own end; a held clip stays held.
 TEST(Steps, AClipPlaysOnBeyondTheScenesEnd) {
   const auto moves_between = [](const char* change, std::uint64_t from, std::uint64_t to) {
     const fascicle::scene scene("arm", {.set = {"solver.substeps=1", change}, .fps = 60.0, .end = 0.5});
@@ -283,7 +283,7 @@ TEST(Steps, ACancelledStartLeavesTheSolverAtRest) {
   EXPECT_THROW(solver.step_pose(solver.clip_pose(6)), fascicle::error) << "it follows nothing";
 }
 
-// A force for a bridge on a bar of 40 nanometres, 1000 s long, while it is to settle.
+// A force fit for a bridge on a bar of 40 nanometres, 1000 s long, while it settles.
 TEST(Steps, ALeadInThatDivergesSaysSo) {
   const fascicle::scene scene = fascicle::scene::parse(
       "[scene]\nfps = 0.01\nend = 1000.0\n"

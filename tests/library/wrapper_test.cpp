@@ -1,4 +1,4 @@
-// fascicle.hpp: what it adds to the C API, which is ownership and exceptions.
+// fascicle.hpp: what it adds to the C API: ownership and exceptions.
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -104,7 +104,7 @@ TEST(Wrapper, ABuildIsCancelledByItsCallbacks) {
   EXPECT_EQ(model.vertex_count(), 45u);
 }
 
-// What is said to a solver goes before what its scene says, with the bits of a scene that says so itself.
+// Solver options override those of the scene, with the same bits as a scene that sets them.
 TEST(Wrapper, SolverOptionsAreTaken) {
   const fascicle::device cpu("cpu");
   const auto hash = [&](const std::vector<std::string>& set, const fascicle::solver_options& options) {
