@@ -1,8 +1,8 @@
-"""Runs the readers' fuzz targets and prints, or writes, what came of it.
+"""Runs the readers' fuzz targets, and prints or writes the results.
 
 fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]: FASCICLE_FUZZ_BUILD names the build folder of the
-preset `fuzz`. Its folder `corpus` keeps what reached new code, `found` what a reader fell over. --write: into the page
-in docs, where a target's line stays as it was unless it ran now."""
+preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a flaw. --write: into
+the page in docs; targets that did not run keep their line."""
 
 import argparse
 import concurrent.futures

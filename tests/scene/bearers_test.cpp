@@ -1,4 +1,4 @@
-// character.NAME.joint: a character that goes with a joint of another one.
+// character.NAME.joint: a character attached to a joint of another one.
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -32,11 +32,11 @@ std::uint32_t joint_called(const Scene& scene, const std::string& name) {
   return j;
 }
 
-// Matrices of doubles, some ten products deep, of lengths up to 3 m.
+// Products of about ten double matrices, with lengths up to 3 m.
 constexpr double rounding = 1e-13;
 
-// What is held is carried along as the flesh at that joint is: by the map from the bind pose to the pose. In
-// the bind pose it stands `at` from the joint, and is turned by `turn`, along the axes of the bearer's file.
+// A held character is carried like the flesh at that joint: by the map from the bind pose to the pose. In the
+// bind pose it is `at` from the joint, rotated by `turn` in the axes of the bearer's file.
 void expect_held(const Scene& scene, const std::string& joint, const Vector3d& at, const Vector3d& turn) {
   const rig::Character& all = all_of(scene);
   const rig::Clip* clip = all.clips.empty() ? nullptr : &all.clips[0];
@@ -49,7 +49,7 @@ void expect_held(const Scene& scene, const std::string& joint, const Vector3d& a
   stands.topRightCorner<3, 1>() = own.inverse_bind.inverse().topRightCorner<3, 1>() + at;
   for (const double time : {0.0, 0.5, 1.25}) {
     const auto pose = rig::joint_transforms_at(all, clip, time);
-    // From the bind pose of the bearer alone to where its flesh is.
+    // From the bearer's own bind pose to the pose of its flesh.
     const Eigen::Matrix4d carried = pose[number] * own.inverse_bind;
     const auto alone = rig::joint_transforms_at(
         prop.own, prop.own.clips.empty() ? nullptr : &prop.own.clips[0], time - prop.settings.start);
@@ -67,7 +67,7 @@ TEST(Bearers, AHeldCharacterGoesWithTheJoint) {
   expect_held(scene, "man/hand", {0.1, 0.2, 0.3}, {30, 0, 60});
 }
 
-// Joints of files are turned and scaled in their bind pose; what is held is not.
+// Joints in files may be rotated and scaled in their bind pose; the held character is not.
 TEST(Bearers, TheJointsOwnAxesDoNotMatter) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
@@ -81,7 +81,7 @@ TEST(Bearers, TheJointsOwnAxesDoNotMatter) {
   expect_held(scene, joint, {0.1, 0.2, 0.3}, {0, 40, 0});
 }
 
-// The joint that stands above all of a character's is its place.
+// A character's top joint is the character's placement.
 TEST(Bearers, ACharacterItselfBears) {
   const Scene scene = parse(man + held("pack", "man", "at = [0.1, 0, 0]\n") + layers);
   const auto pose = rig::joint_transforms_at(all_of(scene), nullptr, 0.0);

@@ -1,4 +1,5 @@
-// [character.NAME]: several characters are joined, named apart and placed, and what cannot be is refused.
+// [character.NAME]: several characters are combined, with their own names and places, and invalid
+// combinations are refused.
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -54,7 +55,7 @@ TEST(Characters, AreJoinedUnderTheirNames) {
   EXPECT_NEAR(scene.end, alone.clips[0].duration + 0.25, 1e-12) << "until the later one has ended";
 }
 
-// Matrices of doubles, some ten products deep, of lengths up to 2 m.
+// Products of about ten double matrices, with lengths up to 2 m.
 constexpr double rounding = 1e-13;
 
 TEST(Characters, StandAndMoveWhereTheSceneSays) {
@@ -78,7 +79,8 @@ TEST(Characters, StandAndMoveWhereTheSceneSays) {
   }
 }
 
-// Of bodies beside each other in the bind pose: no mesher joins them, and contact sees them as far.
+// In the bind pose, bodies are so far apart that the mesher does not join them and contact does not see them
+// as close.
 TEST(Characters, StandAWholeBodyApartInTheBindPose) {
   std::string text = layers;
   for (const char* name : {"a", "b", "c", "d", "e"})
@@ -140,13 +142,13 @@ TEST(Characters, AreInTheManifest) {
   EXPECT_FALSE(json_of(parse("[character]\nmade = \"arm\"\n" + layers)).contains("characters"));
 }
 
-// Names that keys also have.
+// Characters may have the names of keys.
 TEST(Characters, MayBeNamedAsKeysAre) {
   const std::string text =
       "[character.resolution]\nmade = \"arm\"\n[character.file]\nmade = \"arm\"\n" + layers;
   const Scene scene = parse(text, {.resolution = "20mm"});
-  EXPECT_EQ(scene.characters.size(), 2u) << "--resolution takes keys away, and no character";
-  EXPECT_EQ(scene.motion.interpolation, KeyInterpolation::as_authored) << "made in code";
+  EXPECT_EQ(scene.characters.size(), 2u) << "--resolution removes keys, but no character";
+  EXPECT_EQ(scene.motion.interpolation, KeyInterpolation::as_authored) << "generated characters";
 }
 
 TEST(Characters, AreReadFromTheirFiles) {
@@ -201,7 +203,7 @@ TEST(Characters, RefuseWhatCannotBe) {
             "sample.toml:2: character.left.file: chair.obj does not exist");
 }
 
-// What goes with a joint is said for the bind pose of that joint's character.
+// A solid attached to a joint is placed in the bind pose of that joint's character.
 TEST(Characters, SolidsGoWithTheJointsOfEach) {
   const Scene scene = parse(two +
                             "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\ncenter = [0.3, 0, 0]\n"

@@ -1,4 +1,4 @@
-// read_jobs: which bakes a list makes, what they are called, and what is refused.
+// read_jobs: the bakes of a list, their names, and what is refused.
 #include "host/scene/jobs.h"
 
 #include <cctype>
@@ -63,7 +63,7 @@ TEST_F(ReadJobs, TakesEachCombinationOfClipsAndValues) {
   EXPECT_EQ(read.jobs[4].clip, "");
 }
 
-// The least digits that read back to the number, in lists too.
+// The fewest digits that parse to the same number, in lists too.
 TEST_F(ReadJobs, NamesVectorsShortly) {
   const scene::Jobs read =
       jobs("[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.gravity\" = [[0, -9.56, 0], [0, -9.5, 0.1]]\n");
@@ -89,7 +89,7 @@ TEST_F(ReadJobs, FindsScenesBesideTheFile) {
   EXPECT_EQ(read.output, fs::path("out") / "walks");
 }
 
-// What `fascicle bake rod-hang -o rod-hang` leaves beside the list.
+// The folder that `fascicle bake rod-hang -o rod-hang` leaves next to the list.
 TEST_F(ReadJobs, AFolderHidesNoBuiltInScene) {
   fs::create_directory(folder_ / "rod-hang");
   EXPECT_EQ(jobs("[job.a]\nscene = \"rod-hang\"\n").jobs[0].scene, "rod-hang");
@@ -138,7 +138,7 @@ TEST(NamedClips, AreCalledAfterTheLastPartOfTheirNames) {
   EXPECT_EQ(clips[1].clip, "Armature|run fast");
 }
 
-// --clip takes TOML, as --set does: a name in quotes would lose them.
+// --clip takes TOML, as --set does: a name that begins with a quote would lose its quotes.
 TEST(NamedClips, AreChosenByNumberWhereTheirNamesBeginWithAQuote) {
   const auto clips =
       scene::named_clips(with_clips({"\"walk\"", "'x'", " \"y\"", "it's", "1", "true"}), {"all"});
@@ -147,7 +147,7 @@ TEST(NamedClips, AreChosenByNumberWhereTheirNamesBeginWithAQuote) {
   EXPECT_EQ(chosen, (Names{"0", "1", "2", "it's", "1", "true"}));
 }
 
-// Some file systems have one folder for walk and Walk, and none should have a hidden one.
+// Folders differ even on file systems that ignore case, and none is hidden.
 TEST(NamedClips, HaveFoldersUnlikeEachOther) {
   const Names hostile{"a|walk",
                       "b|Walk",
@@ -204,7 +204,7 @@ TEST(NamedClips, AreFoundAsTheClipOptionFindsThem) {
   EXPECT_NE(refusal(with_clips({}), {"all"}).find("none"), std::string::npos);
 }
 
-// The made bear has two clips.
+// The generated bear has two clips.
 TEST_F(ReadJobs, AllClipsAreThoseOfTheCharacter) {
   const scene::Jobs read = jobs("[job.bear]\nscene = \"crouch\"\nclips = \"all\"\n");
   ASSERT_EQ(read.jobs.size(), 2u);

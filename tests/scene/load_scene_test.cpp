@@ -1,5 +1,5 @@
-// load_scene: built-in scenes, scene files, bare meshes and characters, overrides, and the messages for what
-// cannot be.
+// load_scene: built-in scenes, scene files, bare meshes and characters, overrides, and the messages for
+// invalid input.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -46,8 +46,8 @@ TEST(BuiltinScenes, AreThePapersInOrder) {
   std::vector<std::string> found;
   for (const BuiltinScene& builtin : builtin_scenes()) {
     found.push_back(builtin.name);
-    if (builtin.name.starts_with("rod-")) continue;  // of rod theory, not of the paper
-    if (builtin.name == "cheek") continue;           // of what the paper leaves for later
+    if (builtin.name.starts_with("rod-")) continue;  // from rod theory, not the paper
+    if (builtin.name == "cheek") continue;           // future work of the paper
     if (builtin.name == "squeeze" || builtin.name == "stack" || builtin.name == "drop" ||
         builtin.name == "crouch" || builtin.name == "two-bears")
       continue;  // contact
@@ -71,7 +71,7 @@ TEST(BuiltinScenes, AreTheFilesOfTheScenesFolder) {
     std::ostringstream text;
     text << in.rdbuf();
     EXPECT_EQ(text.str(), builtin.text) << path;
-    // The file and the name lead to the same scene.
+    // The file and the name give the same scene.
     Scene from_file = load_scene(path.string());
     const Scene from_name = load_scene(builtin.name);
     from_file.source = from_name.source;
@@ -95,7 +95,7 @@ TEST(BuiltinScenes, BarsHaveTheSizeTheyPromise) {
     ASSERT_FALSE(scene.pins.empty()) << builtin.name;
     const auto is_tip = [](const ProbeSet& probe) { return probe.name == "tip"; };
     EXPECT_EQ(std::count_if(scene.probes.begin(), scene.probes.end(), is_tip), 1) << builtin.name;
-    // 13.4 1/s is a velocity times 0.8 each 1/60 s; figure 8 is about swinging, and is damped less.
+    // 13.4 1/s multiplies velocity by 0.8 in 1/60 s; figure 8 is about swinging, so it is damped less.
     const double damping = builtin.name.starts_with("bar-layers") ? 1.5 : 13.4;
     for (const Layer& each : scene.layers) EXPECT_EQ(each.damping, damping) << builtin.name;
     if (builtin.name.starts_with("bar-layers")) {
@@ -138,7 +138,7 @@ TEST(BuiltinScenes, GoThroughTheirOwnWriterUnchanged) {
   for (const BuiltinScene& builtin : builtin_scenes()) {
     const Scene scene = load_scene(builtin.name);
     EXPECT_EQ(scene.text, builtin.text);
-    // An override that changes nothing makes load_scene write the text anew.
+    // An override that changes nothing still makes load_scene rewrite the text.
     const Scene written = load_scene(builtin.name, {.fps = scene.fps});
     EXPECT_NE(written.text, builtin.text);
     EXPECT_EQ(describe(written), describe(scene));
@@ -149,7 +149,7 @@ TEST(BuiltinScenes, GoThroughTheirOwnWriterUnchanged) {
 
 TEST(SceneText, GoesThroughTheWriterWithAllItsKeysAndInItsOrder) {
   const Scene scene = parse(bar_sample());
-  // Not the alphabetical order.
+  // In file order, not alphabetical.
   ASSERT_EQ(scene.layers.size(), 3u);
   EXPECT_EQ(scene.layers[0].name, "skin");
   EXPECT_EQ(scene.layers[1].name, "fat");
@@ -184,7 +184,7 @@ TEST(SceneText, ReadsEveryKeyIntoItsPlace) {
   EXPECT_EQ(fat.damping, 3.5);
   EXPECT_EQ(fat.density, 900.0);
   EXPECT_FALSE(fat.kinematic);
-  // 0 3 4 has length 5; one rounding of each division is all that can differ.
+  // 0 3 4 has length 5; the divisions round once each.
   EXPECT_LT((*fat.fibre - Vector3d(0.0, 0.6, 0.8)).norm(), 1e-15);
   EXPECT_EQ(std::get<BoneDistance>(fat.where.at(0)).minimum, 0.01);
   EXPECT_EQ(std::get<BoneDistance>(fat.where.at(0)).maximum, 0.05);
@@ -364,7 +364,7 @@ TEST(Overrides, NameTheOptionWhenTheyAreWrong) {
 }
 
 TEST(LoadScene, HashesAreXxh3OfSixtyFourBits) {
-  // The value for no input at all that xxHash's own sanity checks hold XXH3_64bits to.
+  // XXH3_64bits of empty input, from xxHash's own sanity checks.
   EXPECT_EQ(hash_of(""), "2d06800538d394c2");
 }
 
@@ -398,7 +398,7 @@ TEST(LoadScene, HashesBothFilesOfATetGenMesh) {
 
 TEST(LoadScene, TakesABareMeshAsAScene) {
   const TemporaryFolder folder;
-  // A name that TOML must quote.
+  // A name that needs quoting in TOML.
   const auto path = folder.path() / "it's \"it\".off";
   write_tetrahedron_off(path);
   const Scene scene = load_scene(path.string(), {.set = {"mesh.resolution=0.5"}});
@@ -423,8 +423,8 @@ TEST(LoadScene, TakesABareMeshAsAScene) {
   EXPECT_EQ(describe(parse_scene({scene.name, scene.source, scene.text, {}}, {})), describe(scene));
 }
 
-// Stiffness grows with the size: every count of digits before the point is a number that the scene's reader
-// takes.
+// Stiffness grows with size: with any number of digits before the point, the generated value must be valid
+// TOML.
 void write_tetrahedron_of_size(const std::filesystem::path& path, double size) {
   std::ostringstream off;
   off << "OFF\n4 4 0\n0 0 0\n" << size << " 0 0\n0 " << size << " 0\n0 0 " << size;
@@ -436,14 +436,14 @@ TEST(LoadScene, TakesABareMeshOfAnySize) {
   const TemporaryFolder folder;
   for (const double size : {2e-6, 1e-5, 2e-4, 4e-4, 1.5e-3, 0.02, 1.0, 300.0, 9e5}) {
     write_tetrahedron_of_size(folder.path() / "a.off", size);
-    // Three digits are written.
+    // The value is written with three digits.
     EXPECT_NEAR(load_scene((folder.path() / "a.off").string()).layers[0].youngs_modulus.value(),
                 60.0 * 1000.0 * 9.81 * size, 0.005 * 60.0 * 1000.0 * 9.81 * size)
         << size;
   }
 }
 
-// Three digits of 999.6 are 1.00e+03, which a stream may write as no TOML knows it.
+// 999.6 with three digits is 1.00e+03, which a stream may write in a form that is not TOML.
 TEST(LoadScene, NumbersOfABareScenesAreTOML) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "a.off").string();
@@ -458,7 +458,7 @@ TEST(LoadScene, AnEmptyListIsWrittenAsOne) {
   EXPECT_NE(scene.text.find("cuts = []"), std::string::npos) << scene.text;
 }
 
-// The scene's text names the file, and is UTF-8.
+// The scene's text contains the file name, and must be UTF-8.
 TEST(LoadScene, ABareFileWithANameThatIsNoTextIsRefusedByIt) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "caf\xe9");
@@ -473,8 +473,8 @@ TEST(LoadScene, ABareFileWithANameThatIsNoTextIsRefusedByIt) {
   EXPECT_EQ(load_scene((folder.path() / "caf\xc3\xa9.off").string()).layers.size(), 1u);
 }
 
-// The scene that a bare mesh gets has lines that its user never sees: a size that no layer can be stated for
-// is told as a size.
+// A bare mesh gets a generated scene that its user never sees. So if no layer can be stated for its size, the
+// message is about the size.
 TEST(LoadScene, ABareMeshOfAWrongUnitIsToldItsSize) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "a.off").string();
@@ -484,7 +484,7 @@ TEST(LoadScene, ABareMeshOfAWrongUnitIsToldItsSize) {
     EXPECT_TRUE(text.starts_with(path + ": the mesh is ")) << size << ": " << text;
     EXPECT_NE(text.find("mesh.scale=0.001"), std::string::npos) << text;
   }
-  // In millimetres: the stiffness is that of the size in metres.
+  // A mesh in millimetres gets the stiffness for its size in metres.
   write_tetrahedron_of_size(path, 300.0);
   for (const char* scale : {"0.001", "+0.001", " 1e-3", "0.0_01"})
     EXPECT_NEAR(
@@ -498,14 +498,14 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   FASCICLE_NEEDS_ASSET(path);
   const Scene scene = load_scene(path.string());
   EXPECT_TRUE(std::holds_alternative<rig::Character>(scene.geometry));
-  // Later layers win: fat is what neither muscle nor bone claims.
+  // Later layers take precedence: fat is everything that neither muscle nor bone claims.
   ASSERT_EQ(scene.layers.size(), 3u);
   EXPECT_EQ(scene.layers[0].name, "fat");
   EXPECT_EQ(scene.layers[1].name, "muscle");
   EXPECT_EQ(scene.layers[2].name, "bone");
   EXPECT_TRUE(scene.layers[0].where.empty());
   EXPECT_EQ(scene.solver.integrator, Integrator::implicit_step);
-  // A man of 1.51 m and 1,000 kg/m^3, through whose muscles a wave takes 0.12 s; the paper's 0.3 for fat.
+  // A man of 1.51 m and 1,000 kg/m^3, whose muscles a wave crosses in 0.12 s; the paper's 0.3 for fat.
   const double modulus = 1000.0 * std::pow(1.51 / 0.12, 2);
   EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * modulus, 0.01 * modulus);
   EXPECT_NEAR(*scene.layers[1].youngs_modulus, modulus, 0.02 * modulus);
@@ -524,7 +524,7 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_GT(bone, 0.0);
   EXPECT_GT(muscle, bone);
   EXPECT_LT(muscle, 1.0);
-  // How many is the model's to say, whatever the frame rate.
+  // The model determines the number, whatever the frame rate.
   EXPECT_TRUE(scene.solver.auto_substeps);
   EXPECT_FALSE(scene.solver.iterations);
   EXPECT_EQ(scene.solver.quality, Quality::normal);
@@ -533,14 +533,14 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(final.solver.quality, Quality::final);
   EXPECT_EQ(load_scene(path.string(), {.set = {"solver.substeps=3"}, .fps = 24.0}).solver.substeps, 3u);
   EXPECT_EQ(scene.start, 0.0);
-  EXPECT_NEAR(scene.end, 2.0, 1e-6);  // the clip's last key, a float in the file
+  EXPECT_NEAR(scene.end, 2.0, 1e-6);  // the clip's last key, stored as a float
   EXPECT_EQ(frame_count(scene), 120u);
   EXPECT_EQ(frame_count(load_scene(path.string(), {.fps = 24.0, .end = 1.0, .clip = "0"})), 24u);
   EXPECT_TRUE(refusal(path.string(), {.clip = "jump"}).starts_with("--clip jump: character.clip: "));
   EXPECT_EQ(scene.input_hashes.size(), 1u);
 }
 
-// A pose, as an artist keys it: every sampler of the clip has one key.
+// A single keyed pose: every sampler of the clip has one key.
 TEST(LoadScene, AClipOfOneKeyIsBakedInOneFrame) {
   const TemporaryFolder folder;
   GltfBuilder builder = column();
@@ -558,7 +558,7 @@ TEST(LoadScene, AClipOfOneKeyIsBakedInOneFrame) {
   EXPECT_EQ(frame_count(load_scene(file, {.end = 0.5})), 30u);
 }
 
-// Nothing moves a character without a clip, but forces and its own weight do.
+// Without a clip, only forces and gravity move a character.
 TEST(LoadScene, ACharacterWithoutAClipIsBakedInOneFrame) {
   const TemporaryFolder folder;
   GltfBuilder builder = column();
@@ -570,7 +570,8 @@ TEST(LoadScene, ACharacterWithoutAClipIsBakedInOneFrame) {
   EXPECT_EQ(frame_count(load_scene(file, {.rest = "weightless"})), 120u);
 }
 
-// Files' keys are samples, unless it is said otherwise; those of made characters lie dense enough.
+// Keys from files are samples, and so are smoothed unless stated otherwise; those of generated characters are
+// dense enough.
 TEST(LoadScene, KeysOfFilesAreSmooth) {
   const TemporaryFolder folder;
   GltfBuilder builder = column();
@@ -613,7 +614,7 @@ TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
   EXPECT_FALSE(with("20000").resolution);
   for (const char* length : {"20mm", "20 mm", "2cm", "0.02m", "0.02 m"}) {
     ASSERT_TRUE(with(length).resolution) << length;
-    // One division's rounding.
+    // One division rounds.
     EXPECT_NEAR(*with(length).resolution, 0.02, 1e-17) << length;
     EXPECT_FALSE(with(length).body.vertices) << length;
   }
@@ -638,7 +639,7 @@ TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
 }
 
 TEST(Overrides, RigidNamesReplaceTheSceneFiles) {
-  // Names hold what artists write: quotes, dots, spaces.
+  // Names with characters that artists use: quotes, dots, spaces.
   const std::vector<std::string> names{"hand", "Plate.001 \"left\"", "x\\y"};
   EXPECT_EQ(load_scene("arm", {.rigid = names}).skeleton.rigid, names);
   EXPECT_TRUE(refusal("bar-layers-iii", {.rigid = {"hand"}}).starts_with("--rigid hand: the scene has no"));

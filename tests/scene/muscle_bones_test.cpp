@@ -1,4 +1,4 @@
-// Which bones a muscle's words mean, on the arm made in code: shoulder, upper_arm, forearm, hand, along x.
+// The bones that a muscle's keys refer to, on the generated arm: shoulder, upper_arm, forearm, hand, along x.
 #include "host/scene/muscle_bones.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +83,7 @@ TEST(MuscleBones, RefusesWhatDoesNotFit) {
                   .starts_with("muscle.m.bone: \"shoulder\" is neither of"));
 }
 
-// What no vertex follows has no inverse bind matrix, and so no place in the bind pose.
+// A joint without vertices has no inverse bind matrix, and so no place in the bind pose.
 TEST(MuscleBones, RefusesJointsThatSkinNothing) {
   rig::Character character = made_arm();
   character.skeleton[hand].skins = false;

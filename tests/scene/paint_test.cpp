@@ -1,4 +1,4 @@
-// Paint files: what is read of them, what is refused, and what a scene makes of them.
+// Paint files: reading, errors, and their effect on scenes.
 #include <functional>
 #include <map>
 
@@ -32,7 +32,7 @@ rig::Paint paint_of(const rig::Character& character, std::vector<rig::PaintedVer
   return paint;
 }
 
-// A folder with a paint file of the made arm.
+// A folder with a paint file of the generated arm.
 struct PaintedArm {
   TemporaryFolder folder;
   rig::Character arm = made::make_character("arm");
@@ -77,12 +77,12 @@ TEST(PaintFile, IsReadBackAsItWasWritten) {
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_EQ(read.attributes[k].name, paint.attributes[k].name);
     EXPECT_EQ(read.attributes[k].vertex, paint.attributes[k].vertex);
-    EXPECT_EQ(read.attributes[k].value, paint.attributes[k].value) << "to the last bit";
+    EXPECT_EQ(read.attributes[k].value, paint.attributes[k].value) << "bit-exact";
   }
   EXPECT_EQ(parse_paint(paint_text(paint_of(arm, {})), "a.json", arm.surface).attributes.size(), 0u);
 }
 
-// Each damage by itself, with the place that the message must name.
+// Each kind of damage, with the place that the message must name.
 TEST(PaintFile, IsRefusedByFileAndPlace) {
   const rig::Character arm = made::make_character("arm");
   const std::string good = paint_text(
@@ -137,7 +137,7 @@ TEST(PaintFile, IsRefusedByFileAndPlace) {
   EXPECT_EQ(refusal("[]"), "a.json: /: takes an object");
 }
 
-// At any length, and with any byte wrong, it is a paint or an InputFileError.
+// Truncated anywhere or with any byte changed, it gives a paint or an InputFileError.
 TEST(PaintFile, DamageIsNoCrash) {
   const rig::Character arm = made::make_character("arm");
   const std::string good = paint_text(paint_of(arm, {{"_FIBER", {4}, {0.6f, 0.8f, 0.0f}}}));
@@ -206,7 +206,7 @@ TEST(ScenePaint, OfAnotherMeshIsRefusedWithThePlaceOfTheKey) {
   const std::string start =
       "sample.toml:3: character.paint: " + (painted.folder.path() / "arm.paint.json").string() + ": /";
   EXPECT_EQ(refusal("bear").substr(0, start.size() + 8), start + "vertices");
-  // As many vertices, one of them in another place.
+  // The same number of vertices, but one has moved.
   rig::Character moved = painted.arm;
   moved.surface.vertices[5][1] += 1e-9;
   painted.folder.write("arm.paint.json", paint_text(paint_of(moved, {{"_RIGID", {3}, {1.0f}}})));
@@ -215,7 +215,7 @@ TEST(ScenePaint, OfAnotherMeshIsRefusedWithThePlaceOfTheKey) {
   EXPECT_NE(refusal("arm").find("does not exist"), std::string::npos);
 }
 
-// Numbers of _LAYER are layers by name where no `where` says what they are.
+// The numbers in _LAYER are matched to layers by name if no `where` refers to paint.
 TEST(ScenePaint, LayersAreTakenByNameWhereNoneAsksForPaint) {
   const PaintedArm painted({{"_LAYER", {3, 4}, {3.0f, 1.0f}}});
   const Scene scene = painted.scene(by_alpha);
@@ -261,7 +261,7 @@ TEST(ScenePaint, StiffnessMultipliesWhatLayersSay) {
   EXPECT_EQ(physical.layers[2].alpha_attribute, "");
 }
 
-// alpha is at most 1; a modulus has no such bound.
+// alpha is at most 1; a factor on a modulus may be larger.
 TEST(ScenePaint, AboveOneIsForModuli) {
   const PaintedArm painted({{"_STIFFNESS", {3, 4}, {0.5f, 4.0f}}});
   EXPECT_EQ(painted.refusal("[layers.fat]\nmaterial = \"fat\"\n"), "no error");
@@ -270,7 +270,7 @@ TEST(ScenePaint, AboveOneIsForModuli) {
   EXPECT_EQ(painted.refusal(by_alpha).substr(0, start.size()), start);
 }
 
-// As a character whose own file has the same paint.
+// Like a character whose own file has the same paint.
 TEST(ScenePaint, ACharacterWithoutLayersGoesByIt) {
   const PaintedArm stiff({{"_STIFFNESS", {3}, {0.5f}}});
   EXPECT_EQ(stiff.scene("").solver.integrator, Integrator::explicit_step);
@@ -282,7 +282,7 @@ TEST(ScenePaint, ACharacterWithoutLayersGoesByIt) {
     EXPECT_EQ(layer.where.size(), 2u) << "a shape, and paint";
     EXPECT_TRUE(layer.by_paint.empty());
   }
-  // A scene whose paint is set, and one that is a character's file alone.
+  // A scene with its paint given by --set, and one that is just a character's file.
   const SceneOverrides set{.set = {"character.paint=" + (stiff.folder.path() / "arm.paint.json").string()}};
   EXPECT_EQ(parse("[character]\nmade = \"arm\"\n", set).layers[0].alpha_attribute, "_STIFFNESS");
 }
@@ -322,13 +322,13 @@ TEST(ScenePaint, OfOneOfSeveralIsItsOwn) {
   EXPECT_FALSE(json_of(scene)["characters"][0].contains("paint"));
 
   painted.write({{"_STIFFNESS", {3}, {0.5f}}});
-  // Where nobody has painted flesh is as stiff as its layer says, on another character too.
+  // Unpainted flesh has the stiffness of its layer, also on another character.
   const Scene stiff = parse(two + by_alpha, {}, painted.folder.path());
   const std::vector<double>& share = values_of(stiff, "_STIFFNESS");
   for (std::size_t v = 0; v < share.size(); ++v) ASSERT_EQ(share[v], v == first + 3 ? 0.5 : 1.0);
 }
 
-// What is given stands for the file, and what was read is not read again.
+// A given text replaces the file, which is then not read.
 TEST(ScenePaint, ATextCanStandForTheFile) {
   const PaintedArm painted({{"_RIGID", {3}, {1.0f}}});
   LoadedFiles files;

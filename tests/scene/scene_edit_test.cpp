@@ -1,4 +1,4 @@
-// Changes of a scene's text that leave the rest of it as it stands.
+// Edits of a scene's text that leave the rest of it unchanged.
 #include "host/scene/scene_edit.h"
 
 #include <string>
@@ -48,7 +48,7 @@ std::string changed(const std::vector<KeyChange>& changes, const std::string& fr
   return result.text;
 }
 
-// `sample_scene` with one part in place of another.
+// `sample_scene` with `part` replaced by `other`.
 std::string with(std::string part, const std::string& other, std::string whole = sample_scene) {
   const std::size_t at = whole.find(part);
   EXPECT_NE(at, std::string::npos) << part;
@@ -123,7 +123,7 @@ TEST(SceneEdit, WhatIsWrongIsRefusedByItsName) {
   EXPECT_NE(refusal("layers.fat.beta\n[x]", 1), "");
   EXPECT_NE(refusal("", 1), "");
   EXPECT_NE(refusal("..", 1), "");
-  // Taking out what must be there.
+  // Removing a required table.
   EXPECT_THROW((void)change_text(sample_scene, "scene.toml", std::vector<KeyChange>{{"bar", std::nullopt}}),
                base::SceneError);
 }
@@ -141,8 +141,8 @@ TEST(SceneEdit, KeysSayWhatHolds) {
   EXPECT_EQ(find(tables, "mesh.file"), nullptr);
 }
 
-// Every number of every built-in scene set to itself, one by one: the text stays but for how numbers are
-// written, and the scene that it makes is the same.
+// Sets every number of every built-in scene to itself, one by one: the text changes only in number format,
+// and the scene stays the same.
 TEST(SceneEdit, EveryKeyOfTheBuiltInScenesCanBeSet) {
   for (const scene::BuiltinScene& builtin : scene::builtin_scenes()) {
     const std::vector<scene::EditedTable> tables = edited_tables(builtin.text, builtin.name);

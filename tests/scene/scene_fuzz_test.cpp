@@ -1,4 +1,4 @@
-// Scene files damaged at random: each gives a Scene or a SceneError, and nothing else.
+// Randomly damaged scene files give a Scene or a SceneError, and nothing else.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace fascicle::tests {
 namespace {
 
-// Pieces that a scene file may hold, in places where they do not belong.
+// Valid pieces of scene files, inserted in wrong places.
 const std::vector<std::string> pieces{"[",
                                       "]",
                                       "{",
@@ -71,7 +71,7 @@ std::string damaged(std::string text, std::mt19937_64& random) {
         text.insert(below(text.size()), text.substr(at, length));
         break;
       default: {
-        // One whole value for another: what is left is TOML, so that the later checks are reached.
+        // Replaces a whole value: the result is still TOML, so later checks are reached.
         const std::size_t equals = text.find(" = ", at);
         const std::size_t end = text.find('\n', equals == std::string::npos ? text.size() : equals);
         if (end == std::string::npos) break;
@@ -104,7 +104,7 @@ TEST(SceneFuzz, DamagedTextsGiveASceneOrASceneError) {
       ADD_FAILURE() << error.what() << "\nfrom\n" << text;
     }
   }
-  // Both ends were reached often enough to mean something.
+  // Both outcomes occurred often enough.
   EXPECT_GT(scenes, rounds / 50u);
   EXPECT_GT(errors, rounds / 50u);
 }
@@ -120,7 +120,7 @@ TEST(SceneFuzz, DamagedOverridesGiveASceneOrASceneError) {
     try {
       const scene::Scene scene =
           scene::parse_scene({"sample", "sample.toml", bar_sample(), {}}, {.set = {set}});
-      // What was taken can be written and read back.
+      // An accepted scene can be written and read back.
       EXPECT_EQ(describe(scene::parse_scene({"sample", "sample.toml", scene.text, {}}, {})), describe(scene))
           << set;
       ++scenes;

@@ -1,6 +1,6 @@
-// Every key of the scene file: mistyped, of a wrong type, out of range; and the JSON Schema that says the
-// same. The keys are taken from hand-written samples and from the schema's text, not from the table that both
-// are made from.
+// Every key of the scene file: misspelt, of a wrong type, out of range; and the JSON Schema, which must
+// agree. The keys come from hand-written samples and from the schema's text, not from the table that
+// generates both.
 #include <cmath>
 #include <functional>
 #include <map>
@@ -25,12 +25,12 @@ using scene::SceneError;
 const std::set<std::string> tables_of_named{"bones", "layers", "fibres", "muscle",
                                             "pin",   "probe",  "force",  "collider"};
 
-// One line of a sample, and what it is about.
+// One line of a sample, and its key.
 struct Line {
   std::size_t number = 0;  // from 0
   std::string text;
-  std::vector<std::string> section;  // parts of the header above, or of this header
-  std::string key;                   // empty: a header
+  std::vector<std::string> section;  // parts of the header that applies, or of this header
+  std::string key;                   // empty for a header
 };
 
 struct Sample {
@@ -71,8 +71,7 @@ std::string join(const std::vector<std::string>& parts) {
   return text;
 }
 
-// Whether the second part is a name that the user chose; one of several characters has keys of its own below
-// it.
+// Whether the second part is a user-chosen name; with several characters, keys are below their names.
 bool is_by_name(const std::vector<std::string>& parts) {
   if (parts.size() > 1 && parts[0] == "character")
     return parts.size() > 2 || parts[1] == "left" || parts[1] == "right";
@@ -85,7 +84,7 @@ std::string general(std::vector<std::string> parts) {
   return join(parts);
 }
 
-// The files that the mesh and character samples name stand in a folder of their own.
+// Puts the files that the mesh and character samples name into a temporary folder.
 class SceneKeys : public ::testing::Test {
  protected:
   SceneKeys() {
@@ -106,7 +105,7 @@ class SceneKeys : public ::testing::Test {
     return scene::parse_scene({"sample", "sample.toml", text, folder_.path()}, overrides);
   }
 
-  // What a scene says, or why it says nothing.
+  // The described scene, or the error.
   std::string outcome(const std::string& text) const {
     try {
       return describe(parse(text));
@@ -115,7 +114,7 @@ class SceneKeys : public ::testing::Test {
     }
   }
 
-  // The message of the SceneError that `text` must lead to.
+  // The message of the SceneError that `text` causes.
   std::string refusal(const std::string& text, const scene::SceneOverrides& overrides = {}) const {
     try {
       parse(text, overrides);
@@ -136,7 +135,7 @@ class SceneKeys : public ::testing::Test {
   std::filesystem::path character_ = asset("CesiumMan.glb");
 };
 
-// A number's may be beside text, for words that stand in its place.
+// A number's type may be paired with text, for keys that also take words.
 std::string type_of(const json& property) {
   return property["type"].is_array() ? property["type"][0] : property["type"];
 }
@@ -166,8 +165,7 @@ std::set<std::string> keys_of_samples(const std::vector<Sample>& samples) {
   return keys;
 }
 
-// Shapes may stand under each `where`, and either half space may have each of its keys; the samples show each
-// once.
+// Any `where` may hold any shape, and either half space has the same keys; the samples show each once.
 std::string shape_key(const std::string& key) {
   std::string short_key = key;
   if (const std::size_t where = key.find(".where."); where != std::string::npos)
@@ -177,7 +175,7 @@ std::string shape_key(const std::string& key) {
   return short_key;
 }
 
-// Path to each property of the schema.
+// {path: property} of the schema.
 std::map<std::string, json> properties_of_schema() {
   const json schema = json::parse(scene::scene_schema());
   std::map<std::string, json> found;
@@ -291,7 +289,7 @@ TEST_F(SceneKeys, TablesOfWrongTypeAreRefused) {
         property.contains("$ref") || property.contains("oneOf") || property["type"] == "object";
     if (!is_table || path.find("WHERE") != std::string::npos) continue;
     std::string set = path;
-    // Names in the bar sample that are there whatever the path goes on with.
+    // Names in the bar sample that exist whatever the rest of the path is.
     const std::map<std::string, std::string> names{
         {"bones", "thigh"}, {"layers", "fat"}, {"fibres", "biceps"}, {"muscle", "biceps"},
         {"pin", "box"},     {"probe", "ball"}, {"force", "push"},    {"collider", "floor"}};
@@ -307,7 +305,7 @@ TEST_F(SceneKeys, TablesOfWrongTypeAreRefused) {
   }
 }
 
-// The largest double or whole number that a schema's bound leaves out, on the far side of it.
+// The nearest double or integer just outside a bound of the schema.
 std::string beyond(const json& bounds, bool minimum) {
   const bool whole = type_of(bounds) == "integer";
   std::ostringstream out;
@@ -352,7 +350,7 @@ TEST_F(SceneKeys, ValuesOutOfTheSchemasRangeAreRefusedAndItsBoundsAreNot) {
         EXPECT_NE(message.find("must be"), std::string::npos) << message;
         ++tried;
       }
-      // A bound itself may clash with other keys (end with start), but not with the range.
+      // The bound itself may conflict with other keys (end with start), but not with the range.
       if (const std::string value = at_bound(bounds, minimum); !value.empty()) {
         EXPECT_EQ(with(value).find("must be"), std::string::npos) << start << " " << value;
       }
@@ -398,7 +396,7 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
   for (const std::string& set : accepted) EXPECT_EQ(refusal(bar_sample(), {.set = {set}}), "no error") << set;
 }
 
-// What one key says about another, and names that need quotes.
+// Keys that require other keys, and names that need quotes.
 TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
   const std::vector<std::pair<std::string, std::string>> refused{
       {"layers.fat.where.depth.maximum=0.5\nlayers.fat.where.depth.minimum=0.6", "neither TOML"},
@@ -467,7 +465,7 @@ TEST_F(SceneKeys, ACharacterNeedsNoLayers) {
   EXPECT_NE(refusal("[bar]\n").find("layers: is missing"), std::string::npos);
 }
 
-// Physical units, unless the explicit integrator or an alpha is asked for; whoever asks.
+// Physical units, unless the explicit integrator or an alpha is requested, by the scene or an override.
 TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
   const std::string plain = "[character]\nmade = \"arm\"\n";
   for (const Scene& scene :
@@ -478,7 +476,7 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
     EXPECT_EQ(scene.solver.integrator, scene::Integrator::implicit_step);
     EXPECT_TRUE(scene.solver.auto_substeps);
     EXPECT_FALSE(scene.solver.iterations);
-    // The paper's 0.3 between fat and muscle.
+    // The paper's ratio of 0.3 between fat and muscle.
     EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * *scene.layers[1].youngs_modulus,
                 0.01 * *scene.layers[1].youngs_modulus);
   }
@@ -498,7 +496,7 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
       0u);
 }
 
-// A bear is larger than an arm, and its clips take as long: waves must cross it in the same time.
+// A bear is larger than an arm, and its clips last as long: waves must cross it in the same time.
 TEST_F(SceneKeys, FleshOfACharacterWithoutLayersGoesByItsSize) {
   const Scene arm = parse("[character]\nmade = \"arm\"\n"), bear = parse("[character]\nmade = \"bear\"\n");
   const auto extent = [](const Scene& of) {
@@ -509,14 +507,14 @@ TEST_F(SceneKeys, FleshOfACharacterWithoutLayersGoesByItsSize) {
   const double larger = extent(bear) / extent(arm);
   ASSERT_GT(larger, 1.5);
   for (const std::size_t l : {0u, 1u}) {
-    // Written with three digits.
+    // The values are written with three digits.
     EXPECT_NEAR(*bear.layers[l].youngs_modulus / *arm.layers[l].youngs_modulus, larger * larger,
                 0.01 * larger * larger);
     EXPECT_EQ(bear.layers[l].damping, arm.layers[l].damping);
   }
 }
 
-// A scene that names no integrator gets the one whose stiffness its layers state.
+// A scene without an integrator gets the one that fits the stiffness keys of its layers.
 TEST_F(SceneKeys, LayersChooseTheIntegrator) {
   const auto integrator_of = [this](const std::string& body, const std::vector<std::string>& set) {
     return parse(
@@ -535,7 +533,7 @@ TEST_F(SceneKeys, LayersChooseTheIntegrator) {
   EXPECT_EQ(integrator_of("frequency = 5.0\n", {"layers.body.alpha=0.5"}), scene::Integrator::explicit_step);
 }
 
-// A layer says how stiff it is in exactly one way, and in one that its integrator knows.
+// A layer gives its stiffness by exactly one key, which its integrator must accept.
 TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   const auto with = [](const std::string& line) {
     return implicit_sample() + "\n[layers.more]\n" + line + "\n";
@@ -577,7 +575,7 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   for (const auto& [set, reason] : refused)
     EXPECT_NE(refusal(bar_sample(), {.set = {set}}).find(reason), std::string::npos)
         << refusal(bar_sample(), {.set = {set}});
-  // --set of one way takes the place of the other.
+  // --set of one key replaces the other.
   const Scene in_hertz =
       parse(implicit_sample(), {.set = {"layers.fat.frequency=5", "layers.fat.damping=2"}});
   EXPECT_FALSE(in_hertz.layers[0].youngs_modulus);

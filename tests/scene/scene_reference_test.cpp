@@ -1,4 +1,4 @@
-// What follows from the rows of keys: the page docs/scene.md, and the manifest's copy of a scene.
+// Products of the key tables: the page docs/scene.md, and the manifest's copy of a scene.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -45,7 +45,7 @@ TEST(SceneReference, NamesEveryKeyInShortLines) {
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120u) << line;
 }
 
-// The keys of a table that the struct's copy in the manifest lacks.
+// Keys of a table that are missing from the manifest's copy.
 std::vector<std::string> missing(const std::string& table, const scene::Json& copy) {
   std::vector<std::string> names;
   for (const std::string& name : scene::key_names(*scene::find_key(scene::scene_table(), table)->table))
@@ -72,21 +72,21 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   EXPECT_EQ(missing("fibres", json_of(scene::FibreCurve{})), none);
   EXPECT_EQ(missing("bones", json_of(scene::BoneSegment{})), none);
   EXPECT_EQ(missing("bar", json_of(scene::Bar{})), none);
-  // What the text of a scene alone says.
+  // The description is only in the scene's text.
   EXPECT_EQ(missing("scene", json_of(scene::Scene{})), std::vector<std::string>{"description"});
-  // Each table of settings stands in the scene's copy under its own name; these four say what the scene is.
+  // Each table of settings is in the copy under its own name; these four define the scene itself.
   const scene::Json copy = json_of(scene::Scene{});
   const std::set<std::string> others{"scene", "bar", "mesh", "character"};
   for (const scene::Key& key : scene::scene_table().keys) {
     const bool is_asked = key.type == scene::KeyType::table && !others.contains(key.name);
     EXPECT_TRUE(!is_asked || copy.contains(key.name)) << key.name;
   }
-  // The control: a key that most layers lack is not in the copy of those.
+  // The control: a key that most layers lack is not in the copy of such a layer.
   EXPECT_EQ(missing("layers", json_of(scene::Layer{})),
             (std::vector<std::string>{"sliding", "volume", "least_volume", "contact"}));
 }
 
-// Words of keys stand for an enumeration's values in order.
+// The words of a key map to the values of its enumeration in order.
 TEST(SceneReference, WordsAreTheValues) {
   scene::Motion motion;
   motion.rest = scene::Rest::weightless;

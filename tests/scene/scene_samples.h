@@ -1,4 +1,4 @@
-// Scene files for the tests, and scenes as text, so that they can be compared.
+// Sample scene files, and scenes as text for comparison.
 #pragma once
 
 #include <filesystem>
@@ -9,24 +9,24 @@
 
 namespace fascicle::tests {
 
-// Between them these use every key there is, one a line.
+// Together these use every key, one per line.
 std::string bar_sample();
-std::string mesh_sample();       // of a file tetrahedron.off beside it
-std::string character_sample();  // of a file CesiumMan.glb beside it
-std::string made_sample();       // of a file arm.paint.json beside it
+std::string mesh_sample();       // needs tetrahedron.off in its folder
+std::string character_sample();  // needs CesiumMan.glb in its folder
+std::string made_sample();       // needs arm.paint.json in its folder
 std::string made_surface_sample();
-std::string characters_sample();  // of both of these files
+std::string characters_sample();  // needs both of these files
 std::string implicit_sample();
 
 // A closed surface of four triangles.
 void write_tetrahedron_off(const std::filesystem::path& path);
-// Of one vertex of the made arm.
+// Paints one vertex of the generated arm.
 void write_arm_paint(const std::filesystem::path& path);
 
-// Every field of the scene but its text and hashes, all digits.
+// All fields of the scene except its text and hashes, with all digits.
 std::string describe(const scene::Scene& scene);
 
-// Writes the whole file; a failure to do so fails the test.
+// Writes the file; fails the test if that fails.
 void write_file(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace fascicle::tests

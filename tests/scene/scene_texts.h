@@ -1,4 +1,4 @@
-// A scene from its text, and what is said of a text that is refused.
+// A scene from its text, and the error for an invalid text.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ inline scene::Scene parse(const std::string& text, const scene::SceneOverrides& 
   return parse_scene({"sample", "sample.toml", text, folder}, overrides);
 }
 
-// "no error" where it is taken.
+// The error message; "no error" if the text is accepted.
 inline std::string refusal_of_text(const std::string& text, const scene::SceneOverrides& overrides = {}) {
   try {
     parse(text, overrides);

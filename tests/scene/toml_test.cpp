@@ -1,4 +1,4 @@
-// TOML from strangers: what would be the end of toml++ never reaches it.
+// Hostile TOML: input that would crash toml++ never reaches it.
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -22,7 +22,7 @@ std::string repeated(const std::string& text, std::size_t times) {
   return all;
 }
 
-// So many lines, each with its number.
+// `times` lines, each with its number.
 std::string dotted_lines(const std::string& before, const std::string& after, std::size_t times,
                          const std::string& end = "\n") {
   std::string all;
@@ -45,7 +45,7 @@ const std::vector<Refused>& refused_texts() {
       {"x = " + repeated("{a=", many), "1: TOML: column 101: nested deeper than 32 levels"},
       {"x = " + repeated("[{a=", many), "1: TOML: column 69: nested deeper than 32 levels"},
       {repeated("[", many), "1: TOML: column 33: nested deeper than 32 levels"},
-      // Strings and comments in front do not hide it.
+      // Preceding strings and comments do not hide it.
       {"s = \"\"\"\n\\\"\"\"\"\"\" # '\nt = '\\'\na" + repeated(".a", many), "4: TOML: column 64: a key of"},
       {"s = '''\n'\n'''''\na" + repeated(".a", many), "4: TOML: column 64: a key of"},
       {"# \u00e4\n\"\u00e4\" = \"\xff\"", "2: TOML: column 8: this is no UTF-8"},
@@ -95,9 +95,9 @@ TEST(StrangeToml, IsRefusedInValuesThatAreSet) {
   for (const auto& refused : refused_texts()) {
     const std::size_t equals = refused.text.find('=');
     const std::string value = equals == std::string::npos ? refused.text : refused.text.substr(equals + 1);
-    if (value == " 1") continue;  // its key was strange
+    if (value == " 1") continue;  // in this pair the key is the hostile part
     EXPECT_NE(refusal_of_text(bar_sample(), {.set = {"layers.fat.alpha=" + value}}), "no error");
-    // Where text is wanted it is text, or refused by name as above; nothing else is thrown.
+    // A key that takes text accepts any text, or refuses it by name as above; nothing else is thrown.
     EXPECT_NO_THROW((void)refusal_of_text(bar_sample(), {.set = {"scene.description=" + value}}))
         << value.size();
   }
@@ -113,13 +113,13 @@ TEST(StrangeToml, HarmlessDotsAndBracketsAreTaken) {
   }
 }
 
-// toml++ searches its tables for each dotted key: as many as are let through must not take long.
+// toml++ searches its tables for each dotted key: the most that are allowed must not take long.
 TEST(StrangeToml, ManyDottedKeysTakeNoLongerThanTheyMay) {
   const std::string text = dotted_lines("a", ".b = 1", 25'000) + dotted_lines("a", ".c = 1", 25'000);
   const std::clock_t begin = std::clock();
   EXPECT_NE(refusal_of_text(text), "no error");
-  // A fraction of a second; with ten times as many keys it is a hundred times as long. Sanitizers take ten
-  // times that.
+  // A fraction of a second; ten times as many keys would take a hundred times as long. Sanitizers are ten
+  // times slower.
   EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 10);
 }
 

@@ -1,4 +1,4 @@
-// What is wished of all flesh at once, and the file that `fascicle scenes` prints to be edited.
+// Settings for all flesh at once, and the commented scene file that `fascicle scenes` prints.
 #include <cmath>
 #include <functional>
 #include <sstream>
@@ -50,7 +50,7 @@ TEST(Wishes, SoftnessDividesTheStiffnessOfWhatMovesByItself) {
   EXPECT_EQ(free, 2u);
 }
 
-// A frequency goes with the root of a stiffness; both integrators' keys are softened.
+// A frequency is proportional to the square root of stiffness; the keys of both integrators are softened.
 TEST(Wishes, SoftnessHoldsForEveryWayToSayStiffness) {
   const std::string bar = "[bar]\n[layers.body]\n";
   EXPECT_EQ(*parse(bar + "frequency = 6.0\n", {.softness = 4.0}).layers[0].frequency, 3.0);
@@ -78,7 +78,7 @@ TEST(Wishes, OnlyNamesJointsWhateverTheyAreCalled) {
   EXPECT_NE(bar.find("--only forearm: the scene has no character"), std::string::npos) << bar;
 }
 
-// An alpha is a number of the explicit integrator: it is not switched on by the way.
+// alpha belongs to the explicit integrator; setting it does not switch to that integrator.
 TEST(Wishes, AnAlphaDoesNotSwitchTheIntegrator) {
   const std::string refused = message_of([] { parse(made_arm, {.set = {"layers.fat.alpha=0.2"}}); });
   EXPECT_NE(refused.find("layers.fat.alpha"), std::string::npos) << refused;
@@ -86,7 +86,7 @@ TEST(Wishes, AnAlphaDoesNotSwitchTheIntegrator) {
   EXPECT_EQ(parse(explicit_arm, {.set = {"layers.fat.alpha=0.2"}}).layers[0].alpha, 0.2);
 }
 
-// Lines "#key = value" with the # taken away.
+// Uncomments lines "#key = value".
 std::string uncommented(const std::string& text) {
   std::istringstream in(text);
   std::string result;
@@ -106,8 +106,7 @@ TEST(Wishes, TheDocumentedTextReadsAsTheSceneAlsoWithItsDefaultsSpelledOut) {
   }
 }
 
-// Of the keys that go with what the scene holds, from the schema and not from the table that both are made
-// from.
+// Every key that applies to the scene, by the schema and not by the table that generates both.
 TEST(Wishes, TheDocumentedTextNamesEveryKey) {
   const std::string documented = scene::documented_text(parse(made_arm));
   const auto schema = nlohmann::json::parse(scene::scene_schema());
@@ -115,7 +114,7 @@ TEST(Wishes, TheDocumentedTextNamesEveryKey) {
   for (const char* table : {"scene", "character", "body", "skeleton", "flesh", "layer", "muscle", "solver",
                             "motion", "pin", "probe", "force"})
     for (const auto& [key, value] : schema["$defs"][table]["properties"].items()) {
-      // Those are the explicit integrator's.
+      // These belong to the explicit integrator.
       if (key.starts_with("alpha")) continue;
       EXPECT_NE(documented.find(key), std::string::npos) << table << '.' << key;
       ++keys;

@@ -1,4 +1,4 @@
-// Who may speak to the studio.
+// Who may connect to the studio.
 #include "host/studio/access.h"
 
 #include <set>

@@ -1,5 +1,5 @@
-// The bake that stands beside what is played, and the scene's solids: what pages are sent of them, and that
-// no other folder is reached.
+// The comparison bake next to the playing one, and the scene's solids: what pages receive of them, and that
+// no other folder can be opened.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,7 +19,7 @@
 namespace fascicle::tests {
 namespace {
 
-// Bits of a frame's blocks.
+// Block bits of a frame.
 constexpr std::uint32_t vertex_block = 4, solid_block = 64;
 
 void bake_into(const fs::path& folder, const fs::path& scene, const std::vector<std::string>& set = {}) {
@@ -34,7 +34,7 @@ void bake_into(const fs::path& folder, const fs::path& scene, const std::vector<
   pipeline::run_bake(*prepared, request, {});
 }
 
-// Waits for a frame with this number that has a bake beside it.
+// Waits for this frame together with a comparison bake.
 DecodedFrame both_at(Client& client, std::uint32_t number) {
   return decode_frame(client.wait_for_frame([&](const std::string& bytes) {
     const DecodedFrame frame = decode_frame(bytes);
@@ -54,7 +54,7 @@ TEST_F(BesideTest, TwoBakesRunInOneTimeLine) {
   const Json& beside = start.messages.at("beside");
   const std::string soft = (folder_ / "soft").string(), slow = (folder_ / "slow").string();
   EXPECT_EQ(beside.at("choices"), Json({soft, slow}));
-  EXPECT_EQ(beside.at("bake").at("name"), soft) << "the first stands there at once";
+  EXPECT_EQ(beside.at("bake").at("name"), soft) << "the first is selected from the start";
   for (const Json& name : beside.at("bake").at("arrays"))
     EXPECT_EQ(start.arrays.count(name.get<std::string>()), 1u) << name;
   EXPECT_EQ(start.arrays.at("beside.tetrahedron").numbers, start.arrays.at("tetrahedron").numbers);
@@ -70,12 +70,12 @@ TEST_F(BesideTest, TwoBakesRunInOneTimeLine) {
     EXPECT_EQ(base::hash_text(frame.beside[0].position_hash), hashes(soft)[number]);
     EXPECT_EQ(frame.beside[0].blocks.at(vertex_block).size(), frame.blocks.at(vertex_block).size());
     EXPECT_NE(frame.beside[0].blocks.at(vertex_block), frame.blocks.at(vertex_block));
-    // What a bake keeps no velocities of is in its metrics.
+    // The bake stores no velocities, so this comes from its metrics.
     EXPECT_TRUE(std::isfinite(frame.energy));
     EXPECT_GT(frame.beside[0].energy, 0.0f);
   }
 
-  // Half as many frames a second, and a clip that is over sooner: the frame at that time, and the last one.
+  // Half the frame rate and a shorter clip: shows the frame at the same time, and then the last one.
   client->say({{"type", "beside"}, {"name", slow}});
   EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), slow);
   for (const auto& [played, expected] : {std::pair(12u, 6u), std::pair(25u, 9u)}) {
@@ -92,13 +92,13 @@ TEST_F(BesideTest, TwoBakesRunInOneTimeLine) {
   EXPECT_TRUE(decode_frame(alone).beside.empty());
 }
 
-// A page may ask for any name; what is opened is what the session was started with, and its own bakes.
+// A page may send any name, but can open only the given bakes and the session's own.
 TEST_F(BesideTest, NoOtherFolderIsReached) {
   bake_into(folder_ / "given", scene_);
   bake_into(folder_ / "foreign", scene_);
   fs::create_directories(folder_ / "session");
   fs::create_directory_symlink(folder_ / "foreign", folder_ / "session" / "link");
-  fs::create_directories(folder_ / "session" / "odd" / bake::manifest_name);  // no file of the name
+  fs::create_directories(folder_ / "session" / "odd" / bake::manifest_name);  // a folder instead of a file
   fs::create_directories(folder_ / "session" / "odd" / bake::cache_name);
   const Running studio(scene_.string(), folder_ / "session", folder_ / "cache", {folder_ / "given"});
   const auto client = studio.open();
@@ -114,12 +114,12 @@ TEST_F(BesideTest, NoOtherFolderIsReached) {
               std::string::npos)
         << name;
   }
-  // The control: a name that there is.
+  // The control: an existing name.
   client->say({{"type", "beside"}, {"name", given}, {"id", 5}});
   EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), given);
 }
 
-// A scene in motion beside a bake of it, which is then baked anew.
+// A running scene next to a bake of it, which is then baked again.
 TEST_F(BesideTest, ARunningSceneStandsBesideItsOwnBakes) {
   const Running studio = open();
   const auto client = studio.open();
@@ -136,7 +136,7 @@ TEST_F(BesideTest, ARunningSceneStandsBesideItsOwnBakes) {
   for (const std::uint32_t number : {30u, 11u}) {
     client->say({{"type", "seek"}, {"frame", number}});
     const DecodedFrame frame = both_at(*client, number);
-    // The same keys: the same flesh.
+    // The same keys give the same flesh.
     EXPECT_EQ(frame.position_hash, frame.beside[0].position_hash);
   }
   client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 3.0}}}});
@@ -151,7 +151,7 @@ TEST_F(BesideTest, ARunningSceneStandsBesideItsOwnBakes) {
   EXPECT_EQ(base::hash_text(last.beside[0].position_hash), again.at("position_hash").get<std::string>());
 }
 
-// What cannot be read is said, and what stood there stays.
+// An unreadable bake is reported, and the previous one stays.
 TEST_F(BesideTest, ADamagedBakeIsRefused) {
   bake_into(folder_ / "whole", scene_);
   bake_into(folder_ / "cut", scene_);
@@ -169,7 +169,7 @@ TEST_F(BesideTest, ADamagedBakeIsRefused) {
   EXPECT_THROW(Running(folder_ / "whole", {folder_ / "cut"}), std::runtime_error);
 }
 
-// A bake that is written anew stands beside again, however that ends.
+// A bake that is rewritten is shown again afterwards, however the rewrite ends.
 TEST_F(BesideTest, ABakeThatEndsEarlyStandsBesideAgain) {
   const Running studio = open();
   const auto client = studio.open();
@@ -193,8 +193,8 @@ TEST_F(BesideTest, ABakeThatEndsEarlyStandsBesideAgain) {
   EXPECT_EQ(client->wait_for("cancelled").at("what"), "bake");
 }
 
-// Without its scene a bake has no skinning, and its lag is not known. 0 would say that flesh follows the
-// skeleton.
+// Without its scene a bake has no skinning, so its lag is unknown. 0 would mean that flesh follows the
+// skeleton exactly.
 TEST_F(BesideTest, WithoutItsSceneABakesLagIsNotKnown) {
   scene_ = folder_ / "arm.toml";
   base::write_whole(scene_,
@@ -255,7 +255,7 @@ TEST_F(BesideTest, SolidsAreWhereTheSceneMovesThem) {
     EXPECT_EQ(described[0].at("radius"), 0.01);
     EXPECT_EQ(described[0].at("up"), Json({0.0, 1.0, 0.0}));
     EXPECT_EQ(described[1].at("shape"), "box");
-    // Half its edges, less the rounding.
+    // Half its edges, minus the rounding radius.
     const double half[] = {0.13, 0.03, 0.08};
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(described[1].at("half_size")[a].get<double>(), half[a], 1e-12);
@@ -269,15 +269,15 @@ TEST_F(BesideTest, SolidsAreWhereTheSceneMovesThem) {
       }));
       const std::vector<double>& points = frame.blocks.at(solid_block);
       ASSERT_EQ(points.size(), 24u);
-      // By hand: the box goes down evenly by 0.1 m in the clip's 30 frames, and stands on its side.
+      // By hand: the box moves down at constant speed by 0.1 m in the clip's 30 frames, and is on its side.
       const double height = 0.4 - 0.1 * number / 30.0;
       const std::vector<double> expected{0.0,        -0.5, 0.0,  /**/ 1, -0.5, 0,      0,      0.5,
                                          0,          0,    -0.5, 1,      0.2,  height, 0.05,   /**/ 0.2,
                                          height + 1, 0.05, -0.8, height, 0.05, 0.2,    height, 1.05};
       for (std::size_t k = 0; k < points.size(); ++k) {
-        // A plane's other two axes may be any.
+        // The other two axes of a plane are arbitrary.
         if (k >= 3 && k < 12 && k / 3 != 2) continue;
-        // Half a step of the wire, and the floats of this size.
+        // Half a quantisation step, and float rounding at this size.
         EXPECT_NEAR(points[k], expected[k], 0.5 * frame.steps.at(solid_block)[k % 3] + 1e-6)
             << number << " " << k;
       }

@@ -1,4 +1,4 @@
-// What a brush reaches, and what it leaves there.
+// Which vertices a brush reaches, and what it paints.
 #include "host/studio/brush.h"
 
 #include <algorithm>
@@ -23,8 +23,7 @@ using studio::Painting;
 constexpr int cells = 20;
 constexpr double edge = 0.01;
 
-// A sheet of 20 x 20 cells of 1 cm in the plane of x and y, about x = 0; every triangle has corners of its
-// own.
+// A sheet of 20 x 20 cells of 1 cm in the x-y plane, centred at x = 0; triangles share no vertices.
 void add_sheet(double z, mesh::SurfaceMesh& surface) {
   const auto corner = [&](int i, int k) {
     surface.vertices.emplace_back(edge * (i - cells / 2), edge * k, z);
@@ -56,14 +55,14 @@ Brush brush_of(const char* kind, float value, double radius) {
   return brush;
 }
 
-// Of each vertex, whether it lies within the radius of the place.
+// Visits every vertex with its position.
 template <class Use>
 void for_each(const PaintGround& ground, const Use& use) {
   const std::vector<Vector3d>& vertices = ground.surface().vertices;
   for (std::size_t v = 0; v < vertices.size(); ++v) use(v, vertices[v]);
 }
 
-// Triangles that share no vertices hang together where they lie together, and a sheet 5 mm away does not.
+// Triangles without shared vertices are connected if they coincide; a sheet 5 mm away is not.
 TEST(Brush, ReachesWhatHangsTogether) {
   const auto ground = ground_of({0.0, 0.005});
   Painting painting = blank(ground);
@@ -103,14 +102,14 @@ TEST(Brush, ObeysSymmetry) {
   });
   EXPECT_EQ(left, right);
   EXPECT_GT(right.size(), 9u);
-  // Where the other side has nothing, nothing is painted.
+  // Nothing is painted if the other side has no surface.
   const auto far = ground_of({0.0});
   Painting beside = blank(far);
   beside.stamp(brush, {3.0, 0.1, 0.0}, Vector3d::Zero());
   EXPECT_LE(beside.paint().attributes.at(0).vertex.size(), 12u) << "one place on either edge at most";
 }
 
-// Part of the way to the value, less and less towards the rim; again and again, nearer and nearer.
+// Moves values part of the way, less towards the rim, and closer with each stamp.
 TEST(Brush, ObeysStrengthAndFalloff) {
   const auto ground = ground_of({0.0});
   const Vector3d place(0.0, 0.1, 0.0);
@@ -135,7 +134,7 @@ TEST(Brush, ObeysStrengthAndFalloff) {
       const double way = (p - place).norm() / radius;
       if (std::abs(way - 1.0) < 1e-9) return;
       const double first = way < 1.0 ? expected(way, 1.0) : 1.0;
-      EXPECT_NEAR(once[v], first, 1e-6) << p.transpose();  // single precision
+      EXPECT_NEAR(once[v], first, 1e-6) << p.transpose();  // float
       EXPECT_NEAR(twice[v], way < 1.0 ? expected(way, first) : 1.0, 1e-6) << p.transpose();
     });
   }
@@ -147,7 +146,7 @@ TEST(Brush, FibresRunAlongTheStrokeInTheSkin) {
   Brush brush = brush_of("_FIBER", 0.0f, 0.02);
   brush.is_mirrored = true;
   brush.falloff = Falloff::constant;
-  // Out of the skin as well: what is left lies in it.
+  // A stroke direction that leaves the skin is projected onto it.
   painting.stamp(brush, {0.05, 0.1, 0.0}, {0.006, 0.008, 0.5});
   const std::vector<float> fibre = painting.shown(*brush.kind);
   std::size_t painted = 0;
@@ -158,18 +157,18 @@ TEST(Brush, FibresRunAlongTheStrokeInTheSkin) {
     EXPECT_LT((f - Vector3d(p[0] > 0.0 ? 0.6 : -0.6, 0.8, 0.0)).norm(), 1e-6) << p.transpose();
   });
   EXPECT_GT(painted, 100u);
-  // A line has no direction: the opposite way changes nothing.
+  // Fibres are undirected: the opposite stroke changes nothing.
   brush.is_mirrored = false;
   painting.stamp(brush, {0.05, 0.1, 0.0}, {-0.6, -0.8, 0.0});
   const std::vector<float> again = painting.shown(*brush.kind);
   for (std::size_t k = 0; k < fibre.size(); ++k) EXPECT_NEAR(again[k], fibre[k], 1e-6);
-  // A dab without a way, and one straight into the skin, leave it as it is.
+  // A stamp without direction, and one straight into the skin, change nothing.
   painting.stamp(brush, {0.05, 0.1, 0.0}, Vector3d::Zero());
   painting.stamp(brush, {0.05, 0.1, 0.0}, {0.0, 0.0, 1.0});
   EXPECT_EQ(painting.shown(*brush.kind), again);
 }
 
-// What the character's own file has is there again.
+// Erasing restores what the character's file has.
 TEST(Brush, Erases) {
   std::vector<rig::PaintedAttribute> own{{"_LAYER", 1, {}}};
   own[0].values.assign(ground_of({0.0})->surface().vertices.size(), 2.0);
@@ -191,7 +190,7 @@ TEST(Brush, Erases) {
   EXPECT_TRUE(painting.paint().attributes.empty());
 }
 
-// Whatever strokes leave is a paint that files can hold, to the bit.
+// Any result of strokes can be stored in a paint file, bit-exact.
 TEST(Brush, WhatItLeavesIsAPaintFile) {
   const auto ground = ground_of({0.0});
   Painting painting = blank(ground);

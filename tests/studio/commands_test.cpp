@@ -1,4 +1,4 @@
-// Messages from a page: what is taken, and that nothing else is.
+// Messages from a page: what is accepted, and that nothing else is.
 #include "host/studio/commands.h"
 
 #include <cstdint>
@@ -124,7 +124,8 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
   EXPECT_NE(refusal(std::string(100000, '[')), "");
 }
 
-// Whatever comes is taken or refused; nothing else happens. FASCICLE_FUZZ_MESSAGES says how many.
+// Random messages are accepted or refused, and nothing else happens. FASCICLE_FUZZ_MESSAGES sets their
+// number.
 TEST(Commands, FuzzedMessagesAreTakenOrRefused) {
   const std::vector<std::string> seeds{
       R"({"type":"set","id":1,"changes":{"layers.fat.beta":0.5,"scene.gravity":[0,-9,0]},"label":"x","gesture":3})",

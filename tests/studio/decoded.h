@@ -1,4 +1,4 @@
-// The studio's binary messages read back, by docs/design/studio.md alone.
+// Decodes the studio's binary messages, written from docs/design/studio.md alone.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ struct DecodedArray {
   std::vector<std::uint32_t> numbers;  // of u8 and u32
   std::vector<float> floats;           // of f32
 };
-// Throws std::runtime_error for what the page says is not there.
+// Throws std::runtime_error for anything that the page does not define.
 DecodedArray decode_array(const std::string& bytes);
 
 struct DecodedFrame {
@@ -24,9 +24,9 @@ struct DecodedFrame {
   std::uint64_t position_hash = 0;
   float seconds = 0.0f, rate = 0.0f, lag = 0.0f, largest_lag = 0.0f, energy = 0.0f, volume = 0.0f,
         speed = 0.0f;
-  std::map<std::uint32_t, std::vector<double>> blocks;  // by bit: 3 numbers a point
+  std::map<std::uint32_t, std::vector<double>> blocks;  // by bit: 3 numbers per point
   std::map<std::uint32_t, std::array<double, 3>> steps;
-  std::vector<DecodedFrame> beside;  // that of the bake that stands beside, or none
+  std::vector<DecodedFrame> beside;  // the comparison bake's frame, or none
 };
 DecodedFrame decode_frame(const std::string& bytes);
 

@@ -1,4 +1,5 @@
-// The hand that pulls: what it holds, that the model is otherwise the same, and that flesh follows it.
+// The hand that pulls flesh: what it holds, that it does not change the model otherwise, and that flesh
+// follows it.
 #include "host/studio/hand.h"
 
 #include <filesystem>
@@ -18,7 +19,7 @@ using studio::LiveMotion;
 using studio::RunningBody;
 using studio::Vector3d;
 
-// A bar that is held at one end, without gravity; how stiff it is, in Hz.
+// A bar held at one end, without gravity; its stiffness in Hz.
 std::string bar(const std::string& frequency) {
   return "[scene]\nfps = 60\nend = 1.0\ngravity = [0, 0, 0]\n[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [13, "
          "4, 4]\n"
@@ -68,7 +69,7 @@ TEST_F(HandTest, HoldsFreeVerticesNearAndFallsOff) {
   EXPECT_EQ(with.force_index.size(), held.size());
 }
 
-// A force of 0 is none: the bits are those of the model without a hand.
+// With zero force, the bits are those of the model without a hand.
 TEST_F(HandTest, AHandThatDoesNotPullChangesNoBit) {
   LiveMotion with(body_of(bar("4.0"))), without(body_of(bar("4.0")));
   const std::uint32_t tip = farthest_along_x(with.body().model());
@@ -81,8 +82,8 @@ TEST_F(HandTest, AHandThatDoesNotPullChangesNoBit) {
     ASSERT_EQ(with.advance().numbers.position_hash, without.advance().numbers.position_hash) << k;
 }
 
-// Soft, as a belly, and stiff, as a man's muscle: within a second the flesh is where it was pulled to, to a
-// tenth of the way, and let go it comes back.
+// From soft, like a belly, to stiff, like a man's muscle: within 1.5 s the flesh is pulled to the target,
+// within a quarter of the distance, and after release it returns.
 TEST_F(HandTest, FleshFollowsAndComesBack) {
   for (const char* frequency : {"2.0", "8.0", "30.0"}) {
     LiveMotion motion(body_of(bar(frequency)));
@@ -93,12 +94,12 @@ TEST_F(HandTest, FleshFollowsAndComesBack) {
     studio::ShownFrame shown = motion.again();
     double furthest = 0.0;
     for (int k = 0; k < 90; ++k) {
-      // As a mouse goes: a third of a second on the way, and then it stays.
+      // Like a mouse: moves for a third of a second, then stays.
       motion.hand()->move(start + std::min(1.0, k / 20.0) * way);
       shown = motion.advance();
       furthest = std::max(furthest, place(motion, shown, tip)[1] - start[1]);
     }
-    // The middle of what is held goes the way; the tip, further out, a little more.
+    // The centre of the held region reaches the target; the tip, further out, moves a little more.
     EXPECT_NEAR(place(motion, shown, tip)[1] - start[1], way[1], 0.25 * way[1]) << frequency;
     EXPECT_LT(furthest, 2.0 * way[1]) << frequency;
     motion.release();

@@ -47,7 +47,7 @@ TEST(History, AGestureIsOneStep) {
   EXPECT_EQ(history.text(), "d");
   history.undo();
   EXPECT_EQ(history.text(), "c");
-  // The same number after something else is another gesture.
+  // The same number after another gesture is a new gesture.
   history.add("drag", "e", {}, 1);
   history.undo();
   EXPECT_EQ(history.text(), "c");
@@ -65,7 +65,7 @@ TEST(History, WhatFailedIsDropped) {
   EXPECT_EQ(history.text(), "a");
 }
 
-// What is painted is taken back with the text that it was painted beside, and found by what it says.
+// Paint is undone together with its text, and found by content.
 TEST(History, HoldsPaintBesideTheText) {
   const auto painted = [](const char* text) {
     return studio::Paints{{"character.paint", std::make_shared<const std::string>(text)}};
@@ -94,7 +94,7 @@ TEST(History, KeepsTheNewestOfTooMany) {
   for (int k = 0; k < 4; ++k) history.add("large", large + std::to_string(k), {});
   EXPECT_LE(history.steps().size(), 2u);
   EXPECT_EQ(history.text().back(), '3');
-  // Paint counts once, however many steps have it.
+  // Paint counts once, however many steps share it.
   History small("0");
   const auto paint = std::make_shared<const std::string>(large);
   for (int k = 0; k < 10; ++k) small.add("step", std::to_string(k), {{"character.paint", paint}});

@@ -1,4 +1,4 @@
-// Keys that are not offered are those that the reader of scene files would refuse.
+// Keys that the studio does not offer are those that the scene reader would refuse.
 #include "host/studio/key_use.h"
 
 #include <map>
@@ -24,7 +24,7 @@ const std::string bare_bar =
 const std::string bone_end =
     "[layers.bone]\nkinematic = true\nwhere = { above = { axis = \"x\", fraction = 0.9 } }\n";
 
-// Values that each key takes where it is in use.
+// A valid value for each key.
 const std::map<std::string, Json> values_in_use{
     {"alpha", 0.5},         {"youngs_modulus", 2e4}, {"frequency", 5.0}, {"material", "fat"},
     {"damping_ratio", 0.5}, {"least_volume", 0.2},   {"iterations", 4},  {"quality", "draft"},

@@ -1,5 +1,5 @@
-// Wishes leave the look of our own characters whole: what is seen of every frame stays within the limits that
-// a bake warns of (host/bake/look.h): stretch of the skin, triangles turned inside out, jumps, crossings.
+// Presets keep the look of our characters: every frame stays within the limits that a bake warns of
+// (host/bake/look.h): stretch of the skin, inverted triangles, jumps, crossings.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a run through the clip.
+// Results of a run through the clip.
 struct SeenRun {
   double worst = 0.0;  // score; 1 is the limit
   std::string cause;
   std::uint64_t frame = 0;
-  double lag = 0.0;  // m: the largest root mean square distance from skinning of any frame
+  double lag = 0.0;  // m: the largest RMS distance from skinning in any frame
 };
 
 SeenRun run_through(const std::shared_ptr<studio::RunningBody>& body) {
@@ -59,7 +59,7 @@ TEST_P(Presets, LeaveTheLookWhole) {
   const auto tables = scene::edited_tables(scene.text, scene.source);
   for (const studio::Preset& preset : studio::presets_of(*body, tables)) {
     const bool is_to_be_seen = preset.name == "cartoon" || preset.name == "more-jiggle";
-    // The crouching bear, in physical units and with contact, takes long.
+    // The crouching bear, in physical units and with contact, is slow, so it runs only the visible presets.
     if (!preset.why_not.empty() || (!is_to_be_seen && GetParam() == std::string("crouch"))) continue;
     const std::string text = scene::change_text(scene.text, scene.source, preset.changes).text;
     const SeenRun seen = run_through(workshop.make(text, {}, 2, {}));
@@ -68,10 +68,9 @@ TEST_P(Presets, LeaveTheLookWhole) {
                              std::to_string(seen.frame) + "; lag " + std::to_string(seen.lag) +
                              " m; without " + std::to_string(plain.worst) + ", " + std::to_string(plain.lag);
     RecordProperty(preset.name, what);
-    // Where the scene itself is beyond a limit, no further.
+    // If the scene itself exceeds a limit, the preset must not be worse.
     EXPECT_LE(seen.worst, std::max(1.0, plain.worst)) << what;
-    // What is wished is to be seen: by a twentieth of the lag at least. The arm's flesh bulges and hardly
-    // lags.
+    // These presets must be visible: at least a twentieth more lag. The arm's flesh bulges and hardly lags.
     if (is_to_be_seen && GetParam() != std::string("arm")) {
       EXPECT_GT(seen.lag, 1.05 * plain.lag) << what;
     }

@@ -1,4 +1,4 @@
-// The studio of a scene under way, and a page that looks at it.
+// A running studio of a scene, and a page connected to it.
 #pragma once
 
 #include <atomic>
@@ -42,7 +42,7 @@ where = { below = { axis = "x", fraction = 0.0 } }
 where = { above = { axis = "x", fraction = 1.0 } }
 )";
 
-// The studio of a scene on a thread of its own.
+// Runs the studio of a scene on its own thread.
 class Running {
  public:
   Running(const std::string& scene, const fs::path& folder, const fs::path& cache,
@@ -93,7 +93,7 @@ class Running {
   std::string token_;
 };
 
-// All that comes at the start.
+// All messages sent at the start.
 struct Start {
   std::map<std::string, Json> messages;
   std::map<std::string, DecodedArray> arrays;

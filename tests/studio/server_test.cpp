@@ -1,4 +1,4 @@
-// The server alone: who gets in, what is refused, and what a page that does not read costs.
+// The server alone: access, refusals, and the cost of a page that does not read.
 #include "host/studio/server.h"
 
 #include <atomic>
@@ -47,7 +47,7 @@ class ServerTest : public testing::Test {
                            (host.empty() ? "127.0.0.1:" + std::to_string(server_.port()) : host) +
                            "\r\nConnection: close\r\n" + headers + "\r\n");
   }
-  // The status of an upgrade that is asked for by hand; 101: it is open.
+  // The status of a hand-written upgrade request; 101: accepted.
   int upgrade(const std::string& token, const std::string& origin, const std::string& host = "") const {
     const std::string own = "127.0.0.1:" + std::to_string(server_.port());
     return status_of(raw_request(
@@ -102,7 +102,7 @@ TEST_F(ServerTest, AnotherNameOrOriginIsRefused) {
   EXPECT_EQ(status_of(get("/", "", "GET", "evil.example:" + port)), 421);
   EXPECT_EQ(status_of(get("/", "", "GET", "127.0.0.1")), 421);
   EXPECT_EQ(status_of(get("/", "", "GET", "localhost:" + port)), 200);
-  // No Host, and two of them.
+  // No Host header, and two of them.
   EXPECT_EQ(status_of(raw_request(server_.port(), "GET / HTTP/1.1\r\nConnection: close\r\n\r\n")), 421);
   EXPECT_EQ(status_of(get("/", "Host: evil.example\r\n")), 421);
   EXPECT_EQ(status_of(get("/", "Origin: http://evil.example\r\n")), 403);
@@ -180,7 +180,7 @@ TEST_F(ServerTest, TooManyPagesAreRefused) {
 TEST_F(ServerTest, APageThatDoesNotReadLosesFramesAndKeepsNone) {
   Client client(server_.port(), token_, {.receive_buffer = 4096});
   ASSERT_TRUE(soon([&] { return opened_ == 1; }));
-  // 1000 frames of 64 KiB. What the sockets hold goes, what waits is one.
+  // 1000 frames of 64 KiB. The sockets buffer some; only one waits.
   std::vector<std::weak_ptr<const std::string>> frames;
   for (int k = 0; k < 1000; ++k) {
     const auto frame = std::make_shared<const std::string>(std::string(1, static_cast<char>(k % 100)) +
@@ -194,10 +194,10 @@ TEST_F(ServerTest, APageThatDoesNotReadLosesFramesAndKeepsNone) {
     for (const auto& frame : frames) count += frame.expired() ? 0u : 1u;
     return count;
   };
-  // One on its way and one that waits.
+  // One being sent and one waiting.
   EXPECT_TRUE(soon([&] { return alive() <= 2; })) << alive();
   EXPECT_FALSE(server_.is_free(page_));
-  // When it reads again it gets what was on its way, and then the newest.
+  // When it reads again, it gets the frames in transit and then the newest.
   std::string last;
   while (const auto message = client.next(std::chrono::milliseconds(500))) last = message->bytes;
   EXPECT_EQ(last[0], static_cast<char>(999 % 100));

@@ -17,8 +17,8 @@
 namespace fascicle::tests {
 namespace {
 
-// What is saved bakes to the bits that a recorded run showed, here and by the pipeline that `fascicle bake`
-// uses.
+// A saved scene bakes to the bits of the recorded run, in the studio and through the pipeline of `fascicle
+// bake`.
 TEST_F(SessionTest, ARecordedRunIsTheBakeOfWhatIsSaved) {
   const Running studio = open();
   const auto client = studio.open();
@@ -43,7 +43,7 @@ TEST_F(SessionTest, ARecordedRunIsTheBakeOfWhatIsSaved) {
     if ((frame.flags & 1u) != 0) shown[frame.frame] = frame.position_hash;
   }
   ASSERT_EQ(recorded.at("hashes").size(), 31u);
-  // Every frame was shown, but that the last may still be on its way.
+  // Every frame was shown; the last may not have arrived yet.
   EXPECT_GE(shown.size(), 30u);
   for (const auto& [frame, hash] : shown) EXPECT_EQ(recorded.at("hashes")[frame], base::hash_text(hash));
 
@@ -70,14 +70,14 @@ TEST_F(SessionTest, ARecordedRunIsTheBakeOfWhatIsSaved) {
   const auto prepared =
       pipeline::prepare_bake(scene::load_scene((folder_ / "session" / "mine.toml").string()), request, {});
   EXPECT_EQ(pipeline::run_bake(*prepared, request, {}).last_position_hash, recorded.at("position_hash"));
-  // A control: other keys are other bits.
+  // A control: other keys give other bits.
   client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 4.5}}}});
   client->wait_for("applied");
   client->say({{"type", "record"}});
   EXPECT_NE(client->wait_for("recorded").at("position_hash"), recorded.at("position_hash"));
 }
 
-// File names are seen from where the saved scene lies.
+// Saving rewrites relative file names for the folder of the saved scene.
 TEST_F(SessionTest, ASavedSceneFindsItsFiles) {
   fs::create_directories(folder_ / "scenes" / "meshes");
   base::write_whole(
@@ -161,8 +161,7 @@ double tip_height(const DecodedFrame& frame, const std::vector<float>& rest) {
   return sum / count;
 }
 
-// Where a bar of other stiffness comes to rest, in the running loop and in a bake of its own that settles.
-// What is cancelled is what was asked for before, and nothing that comes after.
+// Cancelling applies to what was requested before it, and to nothing later.
 TEST_F(SessionTest, CancelIsOfWhatWasAskedBefore) {
   const Running studio = open();
   const auto client = studio.open();
@@ -176,7 +175,7 @@ TEST_F(SessionTest, CancelIsOfWhatWasAskedBefore) {
   EXPECT_EQ(client->wait_for("recorded").at("frames"), 120);
 }
 
-// A change to flesh that is being baked waits; of many the last one is what comes.
+// Changes during a bake wait; only the last one is applied.
 TEST_F(SessionTest, ChangesDuringABakeComeAfterIt) {
   const Running studio = open();
   const auto client = studio.open();
@@ -198,7 +197,7 @@ TEST_F(SessionTest, ChangesDuringABakeComeAfterIt) {
   while (applied.at("revision") != last) applied = client->wait_for("applied");
 }
 
-// Ctrl-C comes when it comes.
+// Ctrl-C may arrive at any time.
 TEST_F(SessionTest, EndsInTheMiddleOfARunAndOfABake) {
   for (const char* work : {"record", "bake"}) {
     std::optional<Running> studio(std::in_place, scene_.string(), folder_ / "session", folder_ / "cache");
@@ -214,6 +213,7 @@ TEST_F(SessionTest, EndsInTheMiddleOfARunAndOfABake) {
   }
 }
 
+// A changed bar comes to rest in the running loop where a bake of it does that settles first.
 TEST_F(SessionTest, ASoftenedBarComesToRestWhereABakeOfItDoes) {
   const Running studio = open();
   const auto client = studio.open();
@@ -248,7 +248,7 @@ TEST_F(SessionTest, ASoftenedBarComesToRestWhereABakeOfItDoes) {
                                   prepared->built.model.unit * double{frame.positions[k]});
     return tip_height(decoded, rest);
   };
-  // Both are still to 1 mm/s and less, at some 4 Hz: 0.04 mm. Quantised to 0.01 mm.
+  // Both move at 1 mm/s or less, at about 4 Hz: 0.04 mm. Quantised to 0.01 mm.
   EXPECT_NEAR(before, of_bake("6.0"), 2e-4);
   EXPECT_NEAR(after, of_bake("4.0"), 2e-4);
   EXPECT_LT(after, before - 3e-3);

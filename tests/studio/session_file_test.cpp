@@ -1,4 +1,4 @@
-// The session on disk.
+// The session file.
 #include "host/studio/session_file.h"
 
 #include <filesystem>
@@ -41,7 +41,7 @@ TEST(SessionFile, ReadsBack) {
   EXPECT_EQ(again->steps[1].label, "softer");
 }
 
-// Steps that share a paint share it on disk.
+// Steps that share a paint store it once.
 TEST(SessionFile, KeepsPaintOnce) {
   SessionRecord record = sample();
   record.saved_paints = {{"character.paint", "1234"}};
@@ -71,11 +71,11 @@ TEST(SessionFile, WhatIsDamagedIsNoSession) {
     EXPECT_FALSE(parse_session(text.substr(0, k)));
     std::string changed = text;
     changed[k] = static_cast<char>(changed[k] ^ 1);
-    (void)parse_session(changed);  // may be a session, and does not throw
+    (void)parse_session(changed);  // either result is fine, as long as it does not throw
   }
   EXPECT_FALSE(parse_session("{}"));
   EXPECT_FALSE(parse_session("[]"));
-  // Nothing elsewhere is named, as it is what a bake writes to.
+  // File names outside the folder are refused, because bakes write to them.
   for (const char* elsewhere : {"../man.toml", "/root/.bashrc", ".bashrc", "a/b.toml"}) {
     SessionRecord stranger = sample();
     stranger.saved_file = elsewhere;
@@ -86,7 +86,7 @@ TEST(SessionFile, WhatIsDamagedIsNoSession) {
   EXPECT_FALSE(parse_session(studio::session_text(beyond)));
 }
 
-// Names of files are made from the keys of paints.
+// File names are derived from the keys of paints.
 TEST(SessionFile, PaintIsOfCharactersAlone) {
   const auto with_key = [](const std::string& key) {
     SessionRecord record = sample();

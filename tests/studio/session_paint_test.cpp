@@ -1,5 +1,4 @@
-// Painting in the studio: strokes, what can be taken back, and that a bake of what is saved is what was
-// shown.
+// Painting in the studio: strokes, undo, and that a saved scene bakes to what was shown.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -24,7 +23,7 @@ class SessionPaintTest : public SessionTest {
     base::write_whole(scene_, "[scene]\nend = 0.1\n[character]\nmade = \"arm\"\nresolution = 0.04\n");
   }
 
-  // A stroke over a part of the arm, in one piece.
+  // A stroke over part of the arm, in one message.
   static Json stroke(const std::string& attribute, double value, std::uint64_t number = 1) {
     return {{"type", "paint"}, {"attribute", attribute},     {"value", value},
             {"radius", 0.05},  {"places", {place(), end()}}, {"stroke", number},
@@ -40,7 +39,7 @@ class SessionPaintTest : public SessionTest {
     static const rig::Character made = made::make_character("arm");
     return made;
   }
-  // The next array of this name.
+  // The next array with this name.
   static DecodedArray wait_for_array(Client& client, const std::string& name) {
     while (const auto message = client.next())
       if (!message->is_text && message->bytes[0] == 2)
@@ -48,7 +47,7 @@ class SessionPaintTest : public SessionTest {
     ADD_FAILURE() << "no array " << name;
     return {};
   }
-  // What was said before may come once more, when it is on disk.
+  // The history may be sent once more, when it is on disk.
   static bool can_undo(Client& client, const std::string& label) {
     for (int k = 0; k < 10; ++k)
       if (client.wait_for("history").at("undo") == label) return true;
@@ -110,7 +109,7 @@ TEST_F(SessionPaintTest, PiecesOfAStrokeAreOneStep) {
   piece["last"] = true;
   client->say(piece);
   EXPECT_EQ(client->wait_for("history").at("steps"), 2);
-  // Another stroke ends one that was not ended, and so does a change of a key, and a page that goes.
+  // An unfinished stroke ends with another stroke, with a change of a key, and when its page disconnects.
   piece["last"] = false;
   piece["attribute"] = "_LAYER";
   piece["stroke"] = 6;
@@ -170,7 +169,7 @@ TEST_F(SessionPaintTest, WhatIsSavedBakesToWhatWasShown) {
   const auto prepared = pipeline::prepare_bake(scene, request, {});
   EXPECT_EQ(pipeline::run_bake(*prepared, request, {}).last_position_hash, recorded.at("position_hash"));
 
-  // The program ends; the session goes on with what was painted.
+  // After a restart, the session still has the paint.
   {
     const Running again = open();
     const auto client = again.open();
@@ -184,7 +183,7 @@ TEST_F(SessionPaintTest, WhatIsSavedBakesToWhatWasShown) {
     EXPECT_EQ(client->wait_for("recorded").at("position_hash"), recorded.at("position_hash"));
   }
 
-  // A studio of the saved scene begins with its paint, and its own session does not touch that file.
+  // A studio of the saved scene starts with its paint, and its own session does not change that file.
   scene_ = folder_ / "session" / "mine.toml";
   const std::string file = read(folder_ / "session" / "mine.paint.json");
   const Running studio(scene_.string(), folder_ / "next", folder_ / "cache");
@@ -216,7 +215,7 @@ TEST_F(SessionPaintTest, PaintFilesOfOthersAreNotOverwritten) {
   EXPECT_NE(
       client->wait_for("refused").at("error").get<std::string>().find("mine.paint.json is there already"),
       std::string::npos);
-  EXPECT_FALSE(fs::exists(folder_ / "session" / "mine.toml")) << "neither of both is written";
+  EXPECT_FALSE(fs::exists(folder_ / "session" / "mine.toml")) << "neither file is written";
   EXPECT_EQ(read(folder_ / "session" / "mine.paint.json"), "{}");
   client->say({{"type", "save"}, {"file", "mine.toml"}, {"overwrite", true}});
   client->wait_for("saved");
@@ -233,7 +232,7 @@ TEST_F(SessionPaintTest, WhatCannotBePaintedSaysWhy) {
     const Running studio = open();
     const auto client = studio.open();
     start_of(*client);
-    // A number that no layer takes is seen when the body is built, and taken back.
+    // A number without a layer is detected when the body is built, and undone.
     client->say(stroke("_LAYER", 7.0, 2));
     EXPECT_NE(client->wait_for("failed").at("error").get<std::string>().find("_LAYER 7"), std::string::npos);
     EXPECT_EQ(client->wait_for("history").at("undo"), nullptr);
@@ -247,7 +246,7 @@ TEST_F(SessionPaintTest, WhatCannotBePaintedSaysWhy) {
             std::string::npos);
 }
 
-// A modulus may be multiplied by more than 1, alpha may not.
+// A modulus may be multiplied by more than 1; alpha may not.
 TEST_F(SessionPaintTest, StiffnessIsPaintedWhateverLayersSay) {
   const auto most_of = [](const Start& start) {
     return start.messages.at("paint").at("attributes").at(2).at("most").get<double>();
@@ -259,7 +258,7 @@ TEST_F(SessionPaintTest, StiffnessIsPaintedWhateverLayersSay) {
     client->say({{"type", "record"}});
     const Json before = client->wait_for("recorded");
     client->say(stroke("_STIFFNESS", 4.0));
-    EXPECT_GT(count(wait_for_array(*client, "paint._STIFFNESS"), 1.0f), 3u) << "what is not painted is 1";
+    EXPECT_GT(count(wait_for_array(*client, "paint._STIFFNESS"), 1.0f), 3u) << "unpainted vertices are 1";
     client->wait_for("applied");
     client->say({{"type", "record"}});
     EXPECT_NE(client->wait_for("recorded").at("position_hash"), before.at("position_hash"));
@@ -278,7 +277,7 @@ TEST_F(SessionPaintTest, StiffnessIsPaintedWhateverLayersSay) {
   client->wait_for("applied");
 }
 
-// Two arms, each of which has its own paint.
+// Two arms, each with its own paint.
 class SessionPaintsTest : public SessionPaintTest {
  protected:
   void SetUp() override {
@@ -288,7 +287,7 @@ class SessionPaintsTest : public SessionPaintTest {
                       "[scene]\nend = 0.1\n[character.left]\nmade = \"arm\"\nresolution = 0.04\n"
                       "[character.right]\nmade = \"arm\"\nresolution = 0.04\nat = [0.0, 0.0, 1.0]\n");
   }
-  // Of a vertex of the render mesh.
+  // The rest position of a render vertex.
   static Json rest_of(const Start& start, std::size_t vertex) {
     const std::vector<float>& rest = start.arrays.at("surface.rest").floats;
     return {rest[3 * vertex], rest[3 * vertex + 1], rest[3 * vertex + 2]};
@@ -317,14 +316,14 @@ TEST_F(SessionPaintsTest, TheBrushPaintsTheCharacterUnderIt) {
     EXPECT_EQ(count_in(first, 0, 1.0f), 0u);
     EXPECT_GT(count_in(first, 1, 1.0f), 3u);
     client->wait_for("applied");
-    // One stroke across both is one step.
+    // A stroke across both arms is one step.
     Json both = stroke("_STIFFNESS", 3.0, 2);
     both["places"] = {rest_of(start, middle), rest_of(start, size + middle)};
     client->say(both);
     const DecodedArray second = wait_for_array(*client, "paint._STIFFNESS");
     EXPECT_LT(count_in(second, 0, 1.0f), size);
     EXPECT_LT(count_in(second, 1, 1.0f), size);
-    EXPECT_GT(count_in(second, 0, 1.0f), size / 2) << "nothing far away";
+    EXPECT_GT(count_in(second, 0, 1.0f), size / 2) << "vertices far away are unpainted";
     client->wait_for("applied");
     client->say({{"type", "undo"}});
     const Json paint = client->wait_for("paint");
@@ -351,7 +350,7 @@ TEST_F(SessionPaintsTest, TheBrushPaintsTheCharacterUnderIt) {
   EXPECT_EQ(start_of(*client).messages.at("history").at("undo"), "paint stiffness");
 }
 
-// What was saved stays the session's own while its character is unpainted.
+// A paint file that the session saved remains its own while its character is unpainted.
 TEST_F(SessionPaintsTest, PaintThatWasTakenBackIsSavedAgain) {
   const std::size_t size = arm().surface.vertices.size(), middle = size / 2;
   const Running studio = open();
@@ -386,17 +385,17 @@ TEST_F(SessionPaintsTest, PaintThatWasTakenBackIsSavedAgain) {
   const rig::Paint right =
       scene::parse_paint(read(folder_ / "session" / "mine-right.paint.json"), "mine", arm().surface);
   EXPECT_EQ(std::count(right.attributes.at(0).value.begin(), right.attributes.at(0).value.end(), 1.0f), 0);
-  // The control: what somebody else has changed meanwhile is not the session's.
+  // The control: a file that someone else has changed meanwhile is not the session's.
   base::write_whole(folder_ / "session" / "mine-right.paint.json", "{}");
   paint(size + middle, 1.0, 4);
   EXPECT_EQ(save().at("type"), "refused");
 }
 
-// A stroke writes anew what it touched, and of a shared file makes one for the character that it is on.
+// A stroke rewrites only the paint of the character it touches; from a shared file it makes a separate one.
 TEST_F(SessionPaintsTest, AStrokeLeavesThePaintOfOthers) {
   const std::size_t size = arm().surface.vertices.size(), middle = size / 2;
   const rig::Paint one{rig::surface_hash(arm().surface), size, {{"_STIFFNESS", {5}, {0.5f}}}};
-  // As another program may have written it.
+  // As another program might format it.
   const std::string shared = scene::paint_text(one) + "\n \n";
   base::write_whole(folder_ / "both.paint.json", shared);
   base::write_whole(scene_,

@@ -1,4 +1,4 @@
-// The studio as a page sees it: a program that opens the address that was printed.
+// The studio as a page sees it, through a client that opens the printed address.
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -64,7 +64,7 @@ TEST_F(SessionTest, ThePlayerObeys) {
   client->say({{"type", "loop"}, {"on", false}});
   client->say({{"type", "speed"}, {"factor", 4}});
   client->say({{"type", "play"}});
-  // Words go before frames, so that either may come first.
+  // Text messages overtake frames, so either may arrive first.
   bool has_played = false, is_at_end = false, is_paused = false;
   while (!is_at_end || !is_paused) {
     const auto message = client->next();
@@ -75,7 +75,7 @@ TEST_F(SessionTest, ThePlayerObeys) {
     }
     const Json json = Json::parse(message->bytes);
     if (json.at("type") != "player") continue;
-    // What was asked before it played is answered as paused, too.
+    // The state may still be reported as paused for earlier requests.
     has_played = has_played || json.at("state") == "playing";
     if (!has_played || json.at("state") != "paused") continue;
     EXPECT_EQ(json.at("frame"), 30);
@@ -83,7 +83,7 @@ TEST_F(SessionTest, ThePlayerObeys) {
   }
 }
 
-// A studio that is left open in the background costs nothing.
+// A studio in the background costs nothing.
 TEST_F(SessionTest, WhereNobodyLooksNothingIsComputed) {
   const Running studio = open();
   const auto sequence_of_next = [&] {
@@ -93,7 +93,7 @@ TEST_F(SessionTest, WhereNobodyLooksNothingIsComputed) {
   };
   const std::uint32_t first = sequence_of_next();
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  // Of 120 frames that two seconds have, the few until the page's end is seen.
+  // Two seconds have 120 frames; only a few are computed before the closed page is noticed.
   EXPECT_LT(sequence_of_next() - first, 40U);
 }
 
@@ -128,7 +128,7 @@ TEST_F(SessionTest, WhatMakesNoSenseIsRefusedAndTheSessionGoesOn) {
   start_of(*other);
 }
 
-// Three changes and back again; each is in the flesh, and the page is told how long that took.
+// Changes, undo and redo reach the flesh, and the page is told how long each took.
 TEST_F(SessionTest, ChangesAreAppliedUndoneAndMadeAgain) {
   const Running studio = open();
   const auto client = studio.open();
@@ -155,12 +155,12 @@ TEST_F(SessionTest, ChangesAreAppliedUndoneAndMadeAgain) {
   changed = client->wait_for("changed");
   EXPECT_EQ(changed.at("changes").at("layers.body.frequency"), 3.0);
   shows(changed.at("revision"));
-  // A rival key goes when another takes its place.
+  // Setting a key removes its rival.
   client->say({{"type", "set"}, {"changes", {{"layers.body.youngs_modulus", 4000.0}}}});
   changed = client->wait_for("changed");
   EXPECT_TRUE(changed.at("changes").at("layers.body.frequency").is_null());
   shows(changed.at("revision"));
-  // A finer bar is another body.
+  // A finer bar needs a new body.
   client->say({{"type", "set"}, {"changes", {{"bar.vertices", {11, 3, 3}}}}});
   EXPECT_EQ(client->wait_for("changed").at("effect"), "rebuild");
   const Json body = client->wait_for("body");
@@ -202,7 +202,7 @@ TEST_F(SessionTest, PresetsChangeNamedKeys) {
   client->wait_for("applied");
 }
 
-// The program is gone without a farewell, as a kill leaves it: a copy of its folder as it stands on disk.
+// As after SIGKILL: a copy of the session folder as it is on disk.
 TEST_F(SessionTest, WhatWasChangedIsThereAfterAKill) {
   const fs::path copy = folder_ / "copy";
   {
@@ -217,7 +217,7 @@ TEST_F(SessionTest, WhatWasChangedIsThereAfterAKill) {
     }
     client->say({{"type", "undo"}});
     client->wait_for("applied");
-    // The page is told when the newest is on disk.
+    // Waits until the newest step is on disk.
     for (;;) {
       const auto there = studio::read_session(folder_ / "session");
       if (there && there->steps.size() == 4 && there->at == 2) break;
@@ -253,7 +253,7 @@ TEST_F(SessionTest, AnotherSceneBeginsAnewAndTheOldSessionIsKept) {
   EXPECT_TRUE(fs::exists(folder_ / "session" / studio::old_session_file_name));
 }
 
-// The version is 2: what an older and what a newer program wrote are no sessions of this one.
+// The version is 2: sessions of older and newer programs are not opened.
 TEST_F(SessionTest, ASessionOfAnotherVersionIsKept) {
   for (const char* version : {"1", "3"}) {
     const fs::path session = folder_ / ("session-" + std::string(version));
@@ -269,7 +269,7 @@ TEST_F(SessionTest, ASessionOfAnotherVersionIsKept) {
     constexpr std::string_view own = "\"fascicle_studio\": 2";
     ASSERT_NE(text.find(own), std::string::npos);
     {
-      // The control: of this version it is taken up.
+      // The control: a session of this version is opened.
       const Running studio(scene_.string(), session, folder_ / "cache");
       EXPECT_EQ(start_of(*studio.open()).messages.at("hello").at("restored"), true);
     }
@@ -293,7 +293,7 @@ TEST_F(SessionTest, ASessionThatCannotBeReadIsKept) {
   EXPECT_EQ(read(folder_ / "session" / "session.before.json"), "{\"fascicle_studio\": 2}");
 }
 
-// Each page counts its gestures from 1.
+// Each page numbers its gestures from 1.
 TEST_F(SessionTest, GesturesOfTwoPagesAreTwoSteps) {
   const Running studio = open();
   const auto one = studio.open(), other = studio.open();
@@ -316,7 +316,7 @@ TEST_F(SessionTest, ASlowPageGetsTheNewestFrameAndNoMemory) {
   for (int k = 0; k < 300; ++k)
     last = decode_frame(quick->wait_for_frame([](const std::string&) { return true; })).sequence;
   start_of(*slow);
-  // What the sockets hold is old; what comes after it is new.
+  // Frames in socket buffers are old; later ones are new.
   std::uint32_t newest = 0;
   for (int k = 0; k < 2000 && newest < last; ++k)
     newest = decode_frame(slow->wait_for_frame([](const std::string&) { return true; })).sequence;

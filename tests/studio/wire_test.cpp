@@ -1,4 +1,4 @@
-// Binary messages: what is encoded reads back by the protocol's page.
+// Binary messages: encoded data decodes by the protocol's page.
 #include "host/studio/wire.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ TEST(Wire, ArraysReadBack) {
 TEST(Wire, FramesReadBackWithinHalfAStep) {
   std::vector<float> surface, vertices;
   for (int k = 0; k < 3 * 1001; ++k) surface.push_back(static_cast<float>(std::sin(0.37 * k) * (k % 3 + 1)));
-  // A flat block has no extent along an axis, and one point none at all.
+  // A flat block has no extent along one axis, a single point along none.
   for (int k = 0; k < 7; ++k) vertices.insert(vertices.end(), {static_cast<float>(k), 2.0f, -3.0f});
   const std::vector<float> joint{1.0f, 2.0f, 3.0f};
   const studio::FrameNumbers numbers{.sequence = 9,
@@ -76,7 +76,7 @@ TEST(Wire, FramesReadBackWithinHalfAStep) {
     const std::vector<double>& places = frame.blocks.at(bit);
     ASSERT_EQ(places.size(), block.points.size());
     for (std::size_t k = 0; k < places.size(); ++k)
-      // Half a step, and the rounding of floats on the way, which is a hundredth of one.
+      // Half a step, and float rounding, which is a hundredth of a step.
       EXPECT_NEAR(places[k], double{block.points[k]}, 0.51 * frame.steps.at(bit)[k % 3] + 1e-7) << k;
   }
 }

@@ -1,4 +1,4 @@
-// What the workshop keeps of bodies: one that was built before needs no mesher again, and not all are kept.
+// The workshop's cache of bodies: a body that was built before needs no mesher, and the cache is limited.
 #include "host/studio/workshop.h"
 
 #include <filesystem>
@@ -38,7 +38,7 @@ class WorkshopTest : public testing::Test {
   }
 
   fs::path folder_;
-  build::BuildOptions options_;  // no cache: nothing is on disk
+  build::BuildOptions options_;  // no disk cache
   const pipeline::ChosenDevice device_ =
       pipeline::ChosenDevice::cpu(2, cpu_reference::Simd::automatic, "a test");
   std::optional<Workshop> workshop_;
@@ -61,7 +61,7 @@ TEST_F(WorkshopTest, ABodyThatComesAgainIsThere) {
   EXPECT_NE(fine, coarse);
 }
 
-// A slider that is dragged cancels one build after the other.
+// Dragging a slider cancels one build after another.
 TEST_F(WorkshopTest, BuildsThatComeToNothingTakeNoPlace) {
   const std::uint64_t first = hash_of(text("0.05"));
   workshop_->warm();
@@ -75,7 +75,7 @@ TEST_F(WorkshopTest, BuildsThatComeToNothingTakeNoPlace) {
   EXPECT_EQ(hash_of(text("0.05")), first);
 }
 
-// Of more than there is room for the one goes that was in use the longest time ago.
+// The least recently used body is evicted.
 TEST_F(WorkshopTest, TheOldestBodyGoes) {
   const auto of_number = [&](std::size_t k) { return text("0.0" + std::to_string(60 + k)); };
   hash_of(of_number(0));
