@@ -1,4 +1,4 @@
-// What tests of whole scenes begin with.
+// Builds a scene for tests of whole scenes.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace fascicle::tests {
 
 struct BuiltScene {
   model::Model model;
-  std::uint32_t substeps = 0;    // of a frame
-  std::uint32_t iterations = 0;  // of a substep
+  std::uint32_t substeps = 0;    // per frame
+  std::uint32_t iterations = 0;  // per substep
 };
 
-// With the mesher of this build.
+// Uses the mesher of this build.
 inline BuiltScene built(const scene::Scene& scene) {
   build::Report report;
   build::BuildOptions options;

@@ -1,5 +1,5 @@
-// Figure 10 on the built-in arm: with the elbow's angle the biceps rises, the triceps thins, the skin
-// follows, and the limb keeps its volume. Each angle is held until the flesh is at rest.
+// Figure 10 on the built-in arm: as the elbow bends the biceps rises, the triceps thins, the skin follows,
+// and the limb keeps its volume. Each angle is held until the flesh is at rest.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,12 +20,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double upper_arm_length = 0.3;  // m, along x; it does not move as the arm curls
+constexpr double upper_arm_length = 0.3;  // m, along x; it stays still while the arm curls
 constexpr double belly = 0.55 * upper_arm_length;
-// At damping 6 1/s what swings is down to e^-6 after this, 40 micrometres of what moves most.
+// At damping 6 1/s a swing has decayed to e^-6 after this, 40 micrometres for the largest.
 constexpr int frames_to_rest = 60;
 
-// The arm at rest at one angle: the skin, metres, and the volume of its upper arm, m^3.
+// The arm at rest at one angle: the skin in metres, and the volume of its upper arm in m^3.
 struct Held {
   std::vector<Vector3d> skin;
   double volume = 0.0;
@@ -91,7 +91,7 @@ struct Arm {
     return held;
   }
 
-  // Of a vertex's weights on the upper arm.
+  // The share of a vertex's weights on the upper arm.
   double upper_share(std::uint32_t i) const {
     double share = 0.0;
     for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k)
@@ -99,8 +99,8 @@ struct Arm {
     return share;
   }
 
-  // Where the plane across the upper arm at its belly cuts the skin: the length of the cut, and its highest
-  // and lowest place.
+  // The cut of the skin by the plane across the upper arm at its belly: its length, and its highest and
+  // lowest point.
   struct Cut {
     double girth = 0.0, top = -1.0, bottom = 1.0;
   };
@@ -108,7 +108,7 @@ struct Arm {
     const auto& rest = std::get<rig::Character>(scene.geometry).surface;
     Cut cut;
     for (const auto& t : rest.triangles) {
-      // The forearm may fold through the plane: it is not meant.
+      // Excludes the forearm, which may fold through the plane.
       const bool is_upper = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
         return rest.vertices[v].x() < upper_arm_length - 0.01;
       });
@@ -163,8 +163,8 @@ TEST(Bulge, RisesWithTheAngleFromABentBindPose) {
   expect_monotone_bulge({"character.made=arm-bent"}, 46.0);
 }
 
-// Girth by 5 % and more, skin by 2 % of the limb's length and more, and the limb's volume within the paper's
-// 0.291 % in the mean over the bend, which it states of a whole body.
+// Girth grows by at least 5 %, the skin rises by at least 2 % of the limb's length, and the limb's mean
+// volume over the bend stays within the paper's 0.291 %, which it states for a whole body.
 TEST(Bulge, ReachesTheSkinAndKeepsTheLimbsVolume) {
   const Arm with({}), without(silent);
   double difference = 0.0;
@@ -184,7 +184,7 @@ TEST(Bulge, ReachesTheSkinAndKeepsTheLimbsVolume) {
   EXPECT_LE(difference, 0.00291);
 }
 
-// The paper's beta: without it a muscle is silent.
+// The paper's beta: without it a muscle has no effect.
 TEST(Bulge, NeedsTheFibre) {
   const Arm with({"layers.muscle.beta=0"});
   std::vector<std::string> set = silent;

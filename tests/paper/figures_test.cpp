@@ -1,6 +1,6 @@
 // Figures 6, 7 and 8 and table 1 of the paper, on the built-in scenes: ten seconds of each, by the CPU
-// solver. A figure is one test, because ctest runs each test in a process of its own and a scene's run is
-// shared within.
+// solver. Each figure is one test, because ctest runs each test in its own process and a test shares the run
+// of a scene.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t frame_count = 600;
 
-// A bar's motion: the positions of its vertices, metres, in frames 0 (rest) to 600.
+// A bar's motion: its vertex positions in metres, in frames 0 (rest) to 600.
 struct Motion {
   scene::Scene scene;
   model::Model model;
@@ -77,10 +77,10 @@ Motion run(const std::string& name, const std::vector<std::string>& set = {},
   return motion;
 }
 
-// How far the tip went down, in lengths of the bar, once the bar hangs still.
+// How far the tip has dropped once the bar hangs still, in lengths of the bar.
 double drop(const Motion& motion) {
-  // Still: a second before, the tip was where it is now within a thousandth of the length. Otherwise the
-  // numbers compared below would depend on the moment at which a swing is caught.
+  // At rest: the tip has moved less than a thousandth of the length in the last second. Otherwise the figures
+  // below would depend on the phase of a swing.
   EXPECT_LT((motion.tip(frame_count) - motion.tip(frame_count - 60)).norm(), 1e-3 * motion.length())
       << motion.scene.name;
   return (motion.tip(0).y() - motion.tip(frame_count).y()) / motion.length();
@@ -92,17 +92,17 @@ TEST(Paper, Figure6StretchesMostAcrossAndLeastAlongTheFibres) {
   for (const std::string& name : names) {
     stretch[name] = drop(run(name));
     RecordProperty(name, std::to_string(stretch[name]));
-    // What a picture shows without a ruler, and what still looks like the same bar.
+    // Visible in a picture without a ruler, but still recognisable as the same bar.
     EXPECT_GE(stretch[name], 0.1) << name;
     EXPECT_LE(stretch[name], 0.6) << name;
   }
-  // "rigid parallel to the fibre": a twentieth of the middle value is far above what float or stillness can
-  // change (1e-3), and below any of the differences one sees in the figure.
+  // "rigid parallel to the fibre": a twentieth of the middle value is far above the effect of float rounding
+  // or residual motion (1e-3), and below the visible differences in the figure.
   const double visible = 0.05 * stretch["bar-hang-none"];
   EXPECT_GT(stretch["bar-hang-across"], stretch["bar-hang-none"] + visible);
   EXPECT_GT(stretch["bar-hang-none"], stretch["bar-hang-along"] + visible);
 
-  // The control: with beta 0 the three scenes are one, and the ordering does not hold even by a hair.
+  // The control: with beta 0 the three scenes are the same, and the ordering fails.
   std::vector<double> without;
   for (const std::string& name : names) without.push_back(drop(run(name, {"layers.body.beta=0"})));
   EXPECT_EQ(without[0], without[1]);
@@ -123,19 +123,19 @@ TEST(Paper, Figure7DropsFurtherTheLargerBeta) {
     all += std::string(name) + " " + std::to_string(here) + "; ";
     EXPECT_GE(here, 0.2) << name;
     EXPECT_LE(here, 0.8) << name;
-    // A hundredth of the length is what a picture 400 pixels wide shows, and ten times the unrest allowed
-    // above.
+    // A hundredth of the length is visible in a picture 400 pixels wide, and is ten times the residual motion
+    // allowed above.
     EXPECT_GT(here, before + 0.01) << all;
     before = here;
   }
   RecordProperty("drops", all);
 
-  // The control: fibres along the bar hold it up, so the order is theirs and not beta's alone.
+  // The control: fibres along the bar hold it up, so the ordering is due to the fibres, not to beta alone.
   const std::string along = "layers.body.fibre=[1, 0, 0]";
   EXPECT_LT(drop(run("bar-beta-1", {along})), drop(run("bar-beta-0.6", {along})));
 }
 
-// How a section across the bar stands: its centre, and how far it has turned in the plane of the fall.
+// A section across the bar: its centre, and its rotation in the plane of the fall.
 struct Section {
   Vector3d centre = Vector3d::Zero();
   double turned = 0.0;  // radians from rest
@@ -163,8 +163,8 @@ Section section(const Motion& motion, double x, std::size_t frame) {
 // The fall and the first swings; later ones are smaller.
 constexpr std::uint64_t swing_frames = 240;
 
-// How far a part of the bar swings in its own frame: the far end as seen from the near end, turned back with
-// it, and of that the range of heights, in lengths of the part.
+// How far a part of the bar swings in its own frame: the range of heights of its far end, relative to the
+// near end and rotated with it, in lengths of the part.
 double swing(const Motion& motion, double from, double to) {
   double low = 1e300, high = -1e300;
   for (std::size_t k = 0; k <= swing_frames; ++k) {
@@ -177,14 +177,14 @@ double swing(const Motion& motion, double from, double to) {
   return (high - low) / (to - from);
 }
 
-// The fat's swing over the muscle's.
+// The ratio of the fat's swing to the muscle's.
 double fat_over_muscle(const Motion& motion) {
   const double length = motion.length();
   return swing(motion, 0.5 * length, length) / swing(motion, 0.0, 0.5 * length);
 }
 
-// How far the vertices of one half of the bar are from their mean place, root mean square over frames and
-// vertices, in lengths of the bar.
+// How far the vertices of one half of the bar are from their mean positions: RMS over frames and vertices, in
+// lengths of the bar.
 double motion_of_half(const Motion& motion, bool outer) {
   const double half = 0.5 * motion.length();
   double sum = 0.0;
@@ -213,10 +213,9 @@ TEST(Paper, Figure8MovesInFourWaysAndTheFatSwingsMost) {
     const Motion& motion = motions.back();
     const double muscle = motion_of_half(motion, false), fat = motion_of_half(motion, true);
     EXPECT_GT(fat, muscle) << name;
-    // But the outer half of any bar moves more than the inner one. In its own frame it swings less, as the
-    // inner half carries the weight of both. What is the fat's own doing shows against the same bar whose fat
-    // is as stiff as its muscle: the fat's swing over the muscle's is larger by more than the tenth that one
-    // would see.
+    // But the outer half of any bar moves more than the inner one, and swings less in its own frame, because
+    // the inner half carries the weight of both. So compare with the same bar whose fat is as stiff as its
+    // muscle: the ratio of the fat's swing to the muscle's must be larger by more than a visible tenth.
     const double ratio = fat_over_muscle(motion),
                  stiff = fat_over_muscle(run(name, {"layers.fat.alpha=1"}, swing_frames));
     RecordProperty(std::string(name) + " fat, muscle, ratio, with stiff fat",
@@ -230,7 +229,7 @@ TEST(Paper, Figure8MovesInFourWaysAndTheFatSwingsMost) {
       const double distance = rms_distance_of_tips(motions[a], motions[b]);
       const std::string pair = motions[a].scene.name + " and " + motions[b].scene.name;
       all += pair + " " + std::to_string(distance) + "; ";
-      EXPECT_GT(distance, 0.02) << pair;  // a picture must show it
+      EXPECT_GT(distance, 0.02) << pair;  // visible in a picture
     }
   RecordProperty("distances", all);
 }
@@ -258,7 +257,7 @@ TEST(Paper, Table1GivesTheParametersOfFigure8) {
     EXPECT_EQ(layer(scene, "fat").alpha, row.alpha_f) << row.scene;
     EXPECT_EQ(layer(scene, "fat").beta, row.beta_f) << row.scene;
   }
-  // (i) and (ii) have one row of the table, and differ in the muscle's fibres.
+  // (i) and (ii) share a row of the table, and differ in the muscle's fibres.
   const scene::Scene one = scene::load_scene("bar-layers-i"), two = scene::load_scene("bar-layers-ii");
   EXPECT_NE(layer(one, "muscle").fibre.value(), layer(two, "muscle").fibre.value());
   EXPECT_EQ(layer(one, "fat").fibre.value(), layer(two, "fat").fibre.value());

@@ -1,5 +1,5 @@
-// A character without a scene file: hardly more tetrahedra turn inside out than by skinning alone, and none
-// stay so. Needs ../shared/assets.
+// A character without a scene file: hardly more tetrahedra are inverted than by skinning alone, and none stay
+// so. Needs ../shared/assets.
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -31,12 +31,12 @@ std::uint64_t inside_out(const model::Model& model, const std::vector<float>& po
 }
 
 struct Count {
-  std::uint64_t frames = 0;       // in which more than 1.2 times as many are inside out as by skinning alone
-  std::uint64_t by_skinning = 0;  // in all frames
+  std::uint64_t frames = 0;       // with over 1.2 times as many inverted as by skinning alone
+  std::uint64_t by_skinning = 0;  // summed over all frames
   std::uint64_t at_the_end = 0;
 };
 
-// Ends before the clip does where more than `enough` frames are as bad.
+// Stops early once more than `enough` frames are as bad.
 Count count(const char* file, const char* clip, const std::vector<std::string>& set,
             std::uint64_t enough = std::numeric_limits<std::uint64_t>::max()) {
   Count result;
@@ -58,14 +58,14 @@ Count expect_no_more_than_skinning(const char* file, const char* clip) {
   return found;
 }
 
-// The jump of a heavy man ends in the bind pose, more than a second after his landing.
+// A heavy man's jump ends in the bind pose, more than a second after the landing.
 TEST(InsideOut, AHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   EXPECT_EQ(expect_no_more_than_skinning("mh_fat.glb", "jump").at_the_end, 0u);
 }
 
-// Flesh as soft as tissues are, which is crushed when he crouches and lands. The control: without a least
-// volume it turns inside out.
+// Flesh with the stiffness of real tissue, which is crushed when he crouches and lands. The control: without
+// a least volume it inverts.
 TEST(InsideOutSoak, TissuesBearAHeavyMansJump) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   std::vector<std::string> tissues{"layers.fat.material=fat", "layers.muscle.material=relaxed-muscle"};
@@ -78,7 +78,7 @@ TEST(InsideOutSoak, TissuesBearAHeavyMansJump) {
 TEST(InsideOutSoak, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   EXPECT_EQ(count("mh_fat.glb", "jump", {"solver.integrator=explicit"}).frames, 0u);
-  // The control: flesh that may lose its volume and swings for longer does.
+  // The control: flesh without a volume term, which swings for longer, inverts.
   EXPECT_GT(count("mh_fat.glb", "jump",
                   {"solver.integrator=explicit", "layers.fat.volume=0", "layers.muscle.volume=0",
                    "layers.fat.damping=6", "layers.muscle.damping=6", "solver.substeps=8"},
@@ -92,7 +92,7 @@ TEST(InsideOutSoak, AMuscularMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   EXPECT_EQ(expect_no_more_than_skinning("mh_muscle.glb", "jump").at_the_end, 0u);
 }
 
-// Cut out of a run: its first frame is full of motion, and its last.
+// A loop cut from a run: its first and last frames are in full motion.
 TEST(InsideOut, AFoxsGallopTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Fox.glb"));
   expect_no_more_than_skinning("animals_pack_Fox.glb", "AnimalArmature|Gallop");

@@ -1,5 +1,5 @@
-// Characters beside their skinning: the look score is below its limit on what looks right, and above it on
-// the failures that were once seen, each made again by taking its cure away. Needs ../shared/assets.
+// Characters compared with their skinning: the look score is below its limit for what looks right, and above
+// it for failures seen in the past, which are recreated by undoing their fixes. Needs ../shared/assets.
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -18,7 +18,7 @@ namespace fascicle::tests {
 
 namespace {
 
-// The worst score of any frame; 1 is the limit. Ends before the clip does where one is above `enough`.
+// The worst score of any frame; 1 is the limit. Stops early once a score is above `enough`.
 double worst_look(const char* file, const scene::SceneOverrides& overrides,
                   double enough = std::numeric_limits<double>::infinity()) {
   bake::LookBody body;
@@ -36,8 +36,8 @@ double worst_look(const char* file, const scene::SceneOverrides& overrides,
   return worst;
 }
 
-// A leap of 960 body lengths per second squared. Without a bound, and along straight lines between its keys,
-// the belly folded.
+// A leap of 960 body lengths per second squared. With linear keys and no acceleration limit, the belly
+// folded.
 TEST(LookOfCharacters, AFrogThatLeapsKeepsItsShape) {
   FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
   EXPECT_LT(worst_look("easy_enemies_Frog.glb", {.clip = "Attack"}), 1.0);
@@ -48,7 +48,7 @@ TEST(LookOfCharacters, AFrogThatLeapsKeepsItsShape) {
             2.0);
 }
 
-// What is known of a wish before the bake: the estimate, and what the frames that are tried look like.
+// What is known before a bake: the estimate, and the look of the trial frames.
 struct Foreseen {
   double swing = 0.0, tried = 0.0;
 };
@@ -64,9 +64,9 @@ Foreseen foreseen(const char* file, const char* clip, double softness) {
   return {expected.score, bake::try_look(scene, model, body, drives, *solver, expected.frame).worst.score};
 }
 
-// A wish that its clip does not bear is said before the bake, and the default is not. By default the frog's
-// skin is at worst 0.87 of the limit from skinning (0.77 in half as many substeps); at softness 2 it
-// was 1.39, over in 5 frames.
+// A setting that the clip does not bear is reported before the bake, and the default is not. By default the
+// frog's skin is at worst 0.87 of the limit from skinning (0.77 with half as many substeps); at softness 2 it
+// was 1.39, over the limit in 5 frames.
 TEST(LookOfCharactersSoak, AFrogTooSoftForItsLeapIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
   const Foreseen by_default = foreseen("easy_enemies_Frog.glb", "Attack", 1.0);
@@ -77,7 +77,7 @@ TEST(LookOfCharactersSoak, AFrogTooSoftForItsLeapIsForeseen) {
   EXPECT_GT(softer.tried, 1.0);
 }
 
-// The estimate knows nothing of skin that stretches at the hocks, the trial does: 1.29, over the limit of 1.
+// The estimate does not see skin that stretches at the hocks, but the trial does: 1.29, over the limit of 1.
 TEST(LookOfCharacters, ABullTooSoftForItsGallopIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
   const Foreseen softer = foreseen("animals_pack_Bull.glb", "Gallop_Jump", 8.0);
@@ -86,8 +86,8 @@ TEST(LookOfCharacters, ABullTooSoftForItsGallopIsForeseen) {
   EXPECT_GT(softer.tried, 1.1);
 }
 
-// Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. As free
-// flesh that hangs on to the upper jaw, its mouth opened half and its teeth strained.
+// Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. When the
+// lower jaw was free flesh attached to the upper one, the mouth opened half way and the teeth were strained.
 TEST(LookOfCharacters, ADinosaursMouthOpens) {
   FASCICLE_NEEDS_ASSET(asset("dinosaurs_pack_Trex.glb"));
   EXPECT_LT(worst_look("dinosaurs_pack_Trex.glb", {.clip = "Attack"}), 1.0);
@@ -96,8 +96,8 @@ TEST(LookOfCharacters, ADinosaursMouthOpens) {
             2.0);
 }
 
-// Its hocks crumpled where the bone layer had gaps. The control: flesh that is thirty times as soft swings
-// off its bones.
+// Its hocks used to crumple at gaps in the bone layer. The control: flesh thirty times as soft swings off its
+// bones.
 TEST(LookOfCharacters, ABullsLegsStayOnTheirBones) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
   EXPECT_LT(worst_look("animals_pack_Bull.glb", {.end = 0.5, .clip = "Gallop_Jump"}), 1.0);

@@ -1,5 +1,5 @@
-// The implicit integrator on rods: rod and beam theory, and what must not change with frame rate, substeps
-// and resolution. Rest is reached by strong damping, which does not change where it is.
+// The implicit integrator on rods: rod and beam theory, and independence of frame rate, substeps and
+// resolution. Strong damping brings rods to rest without changing their rest position.
 #include <array>
 #include <cmath>
 #include <map>
@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 struct RodSwing {
   double fps = 0.0;
   std::uint32_t substeps = 0;
-  double frequency = 0.0;  // of the layer, as the build found it
+  double frequency = 0.0;  // of the layer, as computed by the build
   std::vector<Vector3d> tip;
 };
 
@@ -54,21 +54,21 @@ RodSwing swing_of(const std::string& name, const std::vector<std::string>& set, 
 }
 
 double sag_of(const RodSwing& s, const std::string& name) {
-  // Still: within a thousandth of where it was a quarter of a second before. Only downward: sideways, where a
-  // mesh is not symmetric, the hanging rod creeps for longer.
+  // At rest: within a thousandth of its position a quarter of a second before. Only vertically: on an
+  // asymmetric mesh, the hanging rod creeps sideways for longer.
   const double before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(s.fps / 4.0)].y();
   EXPECT_NEAR(s.tip.back().y(), before, 1e-3 * std::abs(before)) << name;
   return -s.tip.back().y();
 }
 
-// How far down the tip rests.
+// How far the tip has dropped at rest.
 double sag(const std::string& name, std::vector<std::string> set = {}, double fps = 30.0,
            double seconds = 2.0, double damping = 25.0) {
   set.push_back("layers.body.damping=" + std::to_string(damping));
   return sag_of(swing_of(name, set, fps, seconds), name);
 }
 
-// The hanging rod as a surface, squares cut along diagonals that alternate, with so many vertices along.
+// The hanging rod as a surface of squares, cut along alternating diagonals, with `along` vertices along it.
 mesh::SurfaceMesh rod_surface(std::uint32_t along) {
   const std::array<std::uint32_t, 3> count{(along - 1) / 5 + 1, along, (along - 1) / 5 + 1};
   const std::array<double, 3> size{0.08, 0.4, 0.08};
@@ -142,7 +142,7 @@ TEST(Rods, RestWhereTheyDoWithAnyNumberOfSubsteps) {
   }
 }
 
-// As many iterations as the stiffness needs against many more.
+// The chosen number of iterations compared with many more.
 TEST(Rods, AsManyIterationsAsChosenAreEnough) {
   for (const char* name : {"rod-hang", "rod-cantilever"}) {
     const double many = sag(name, {"solver.substeps=2", "solver.iterations=80"}, 30.0, 1.5);
@@ -150,8 +150,8 @@ TEST(Rods, AsManyIterationsAsChosenAreEnough) {
   }
 }
 
-// Coarse rods are too stiff; finer ones near theory, in smaller and smaller steps. Measured 18, 6.2, 2.5 and
-// 1.5 % below it hanging, and bent 13 and 2.7 % with 21 and 41 vertices along.
+// Coarse rods are too stiff; finer ones converge to theory. Measured 18, 6.2, 2.5 and 1.5 % below it when
+// hanging, and 13 and 2.7 % when bending, with 21 and 41 vertices along.
 TEST(Rods, ApproachTheoryUnderRefinement) {
   const double hang[]{sag("rod-hang", {vertices(11, true)}), sag("rod-hang"),
                       sag("rod-hang", {vertices(41, true)}, 24.0, 1.5),
@@ -169,8 +169,8 @@ TEST(Rods, ApproachTheoryUnderRefinement) {
 }
 
 // The same filled by TetGen, over two decades of E. Measured 8.5 % below theory with 21 vertices along, and
-// 4.3 % with 41; 15 % with 21, and this test red, when the compliance of the regions at the surface was a
-// mean over all directions, like that of those inside.
+// 4.3 % with 41. It was 15 % with 21, failing this test, when the compliance of regions at the surface was a
+// mean over all directions, as it is inside.
 TEST(Rods, HangAsFarOnAnIrregularMesh) {
   EXPECT_NEAR(sag_of_filled_rod(21, 20e3, 2.0, 25.0), rod_theory, 0.10 * rod_theory);
   EXPECT_NEAR(sag_of_filled_rod(21, 200e3, 2.0, 25.0), 0.1 * rod_theory, 0.10 * 0.1 * rod_theory);
@@ -178,8 +178,8 @@ TEST(Rods, HangAsFarOnAnIrregularMesh) {
   EXPECT_NEAR(sag_of_filled_rod(81, 20e3, 2.0, 25.0), rod_theory, 0.05 * rod_theory);
 }
 
-// Two decades of E, stretch inversely to it; at 2 kPa the rod is twice as long, which linear theory does not
-// know.
+// Over two decades of E, stretch is inversely proportional to it; at 2 kPa the rod is twice as long, which
+// linear theory does not cover.
 TEST(Rods, StretchInverselyToYoungsModulus) {
   EXPECT_NEAR(sag("rod-hang", {"layers.body.youngs_modulus=200e3"}), 0.1 * rod_theory, 0.01 * rod_theory);
   EXPECT_NEAR(sag("rod-hang", {"layers.body.youngs_modulus=2e3"}, 30.0, 3.0, 10.0), 10.0 * rod_theory,
@@ -201,10 +201,10 @@ TEST(Rods, FibresTurnStiffnessAndDoNotScaleIt) {
 }
 
 struct Mode {
-  double frequency, ratio;  // Hz; of critical damping
+  double frequency, ratio;  // Hz; damping ratio
 };
 
-// From a decaying swing: the times and heights of its turns, by parabolas through three frames.
+// From a decaying swing: the times and heights of its extrema, by parabolas through three frames.
 Mode mode_of(const RodSwing& s) {
   std::vector<std::pair<double, double>> turns;
   for (std::size_t i = 1; i + 1 < s.tip.size(); ++i) {
@@ -213,7 +213,7 @@ Mode mode_of(const RodSwing& s) {
     const double shift = (a - c) / (2.0 * bend);
     turns.emplace_back((static_cast<double>(i) + shift) / s.fps, b - (a - c) * shift / 4.0);
   }
-  // The first turn still has higher modes in it.
+  // The first extremum still contains higher modes.
   constexpr std::size_t first = 1, last = 6;
   if (turns.size() <= last) throw std::runtime_error("it hardly swings");
   const double half_period = (turns[last].first - turns[first].first) / double(last - first);
@@ -224,9 +224,9 @@ Mode mode_of(const RodSwing& s) {
   return {0.5 / half_period / std::sqrt(1.0 - zeta * zeta), zeta};
 }
 
-// A layer given in Hz swings at that frequency, and dies out as its ratio says, at every frame rate and at
+// A layer given in Hz swings at that frequency and decays by its damping ratio, at every frame rate and at
 // two resolutions. Kuhn's tetrahedra stiffen one diagonal of the section: gravity acts along the other, the
-// lowest mode's.
+// direction of the lowest mode.
 TEST(Rods, SwingAtTheFrequencyAndRatioAskedFor) {
   for (const int along : {11, 21})
     for (const double fps : {24.0, 30.0, 60.0, 120.0}) {

@@ -1,6 +1,6 @@
 // Skin and fat ("computing sagging faces ... needs additional constraint between skin and fat"): a cheek of
-// soft fat on bone under skin that is attached around it. Where skin slides, the fat sags under it; where it
-// does not, skin holds the fat that is next to it.
+// soft fat on bone, under skin that is attached around it. If the skin slides, the fat sags under it;
+// otherwise the skin holds the fat next to it.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -19,8 +19,8 @@ namespace fascicle::tests {
 namespace {
 
 struct Sag {
-  double skin = 0.0, fat = 0.0;  // m, downwards: of the cheek's middle and of the fat below it
-  double gap = 0.0;              // between the two across the cheek, over that at rest
+  double skin = 0.0, fat = 0.0;  // m, downwards: the cheek's middle and the fat below it
+  double gap = 0.0;              // distance between the two across the cheek, relative to rest
 };
 
 Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std::string>& more = {}) {
@@ -61,8 +61,8 @@ Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std
   return {skin[1] - skin_now[1], fat[1] - fat_now[1], (skin_now[0] - fat_now[0]) / (skin[0] - fat[0])};
 }
 
-// The fat slides by a fifth of the gap and more, and the gap stays: what is left is its weight on the ties,
-// and that the fat below is not flat any more.
+// The fat slides by at least a fifth of the gap, and the gap stays: what remains is the fat's weight on the
+// ties and the curvature of the fat below.
 void expect_fat_slides_under_skin(const std::string& integrator) {
   const Sag sliding = cheek_sag(integrator, true), fast = cheek_sag(integrator, false);
   EXPECT_GT(fast.fat, 0.0);

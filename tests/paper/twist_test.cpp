@@ -1,6 +1,5 @@
-// A forearm whose hand turns: its flesh winds around the bone from the elbow to the wrist, as a muscle's
-// `twist` asks, and keeps its volume. Without it the flesh holds on to the bone, and all of the turn is at
-// the wrist.
+// A forearm whose hand rotates: with a muscle's `twist`, its flesh winds around the bone from elbow to wrist
+// and keeps its volume. Without it the flesh sticks to the bone, and all of the rotation is at the wrist.
 #include <array>
 #include <cmath>
 #include <string>
@@ -20,21 +19,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of the built-in arm: the forearm lies along x.
+// The built-in arm: its forearm is along x.
 constexpr double elbow = 0.30, wrist = 0.56;  // m
 constexpr std::uint32_t forearm_joint = 2, hand_joint = 3;
 constexpr double hand_turn = M_PI / 2.0;
-// At damping 6 1/s what swings is down to e^-6.
+// At damping 6 1/s a swing decays to e^-6 in this time.
 constexpr int frames_to_stillness = 60;
 
-// The arm straight, its hand turned about the forearm, held until the flesh is at rest.
+// The straight arm with its hand rotated about the forearm, held until the flesh is at rest.
 struct TwistedArm {
   model::Model model;
-  std::vector<Vector3d> rest, held;  // m, of the model's vertices
+  std::vector<Vector3d> rest, held;  // m, the model's vertices
 
   explicit TwistedArm(double twist, double turn = hand_turn) {
-    // A thin bone: the flesh next to it does not turn. Stiff flesh without a volume term: what keeps the
-    // volume is that T_r does.
+    // A thin bone: the flesh next to it does not rotate. Stiff flesh without a volume term: only T_r keeps
+    // the volume.
     scene::Scene scene = scene::load_scene(
         "arm", {.set = {"layers.fat.volume=0", "layers.muscle.volume=0", "layers.fat.alpha=0.3",
                         "layers.muscle.alpha=1", "layers.muscle.where={bone_distance={maximum=0.045}}",
@@ -78,8 +77,8 @@ struct TwistedArm {
 
   double along(std::size_t i) const { return (rest[i].x() - elbow) / (wrist - elbow); }
 
-  // How far flesh 2 cm from the axis and more has turned about the bone between two places along it (0 at the
-  // elbow, 1 at the wrist), radians, in the mean.
+  // The mean rotation about the bone of flesh at least 2 cm from the axis, between two places along it (0 at
+  // the elbow, 1 at the wrist), radians.
   double turn_between(double from, double to) const {
     double sine = 0.0, cosine = 0.0;
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -92,7 +91,7 @@ struct TwistedArm {
     return std::atan2(sine, cosine);
   }
 
-  // Of the tetrahedra along the forearm, over that at rest.
+  // The volume of tetrahedra along the forearm, relative to rest.
   double volume_ratio() const {
     double now = 0.0, before = 0.0;
     const auto volume = [&](const std::vector<Vector3d>& at, const std::uint32_t* v) {
@@ -109,8 +108,8 @@ struct TwistedArm {
   }
 };
 
-// The turn from a fifth to four fifths of the way, as a share of the hand's over all of it: 1 is a winding as
-// even as the asked-for shear.
+// The rotation from 1/5 to 4/5 of the way, relative to that share of the hand's: 1 is as uniform as the
+// requested shear.
 double winding(const TwistedArm& arm) {
   return (arm.turn_between(0.7, 0.9) - arm.turn_between(0.1, 0.3)) / (0.6 * hand_turn);
 }
@@ -126,25 +125,25 @@ TEST(Twist, CarriesTheFleshAroundTheBoneAndKeepsItsVolume) {
   RecordProperty("winding with twist 1, 1/2, 0", std::to_string(winding(wound)) + " " +
                                                      std::to_string(winding(half)) + " " +
                                                      std::to_string(winding(plain)));
-  // Measured 0.80, 0.46 and 0.12. It does not reach 1 because the flesh next to the bone is fast to it, and
-  // the bone does not turn; a quarter leaves room for another mesh.
+  // Measured 0.80, 0.46 and 0.12. It does not reach 1 because flesh next to the bone is attached to it, and
+  // the bone does not rotate; the tolerance of a quarter allows for another mesh.
   EXPECT_NEAR(winding(wound), 0.8, 0.2);
   EXPECT_LT(winding(half), winding(wound) - 0.2);
   EXPECT_GT(winding(half), winding(plain) + 0.2);
-  // The control: a turned hand by itself does not wind the flesh.
+  // The control: a rotated hand alone does not wind the flesh.
   EXPECT_LT(winding(plain), 0.25);
 
   RecordProperty("volume with and without",
                  std::to_string(wound.volume_ratio()) + " " + std::to_string(plain.volume_ratio()));
-  // det T_r = 1 and no volume term: measured 0.6 % more. The streaks of the skin, 3.5 cm from the axis, are
-  // 1.4 % longer after this winding: a limb that kept their length would be shorter by that.
+  // det T_r = 1 and no volume term: measured 0.6 % more. Lines along the skin, 3.5 cm from the axis, are 1.4
+  // % longer after this winding: a limb that kept their length would be shorter by that.
   EXPECT_NEAR(wound.volume_ratio(), 1.0, 0.01);
 }
 
-// A muscle that twists does nothing where nothing turns.
+// A twisting muscle does nothing if nothing rotates.
 TEST(Twist, NeedsATurn) {
   const TwistedArm unturned(1.0, 0.0);
-  // Positions are floats of a body 0.7 m long, 1e-7 of it at a radius of 3 cm.
+  // Positions are floats of a body 0.7 m long: 1e-7 of that at a radius of 3 cm.
   EXPECT_NEAR(unturned.turn_between(0.1, 0.9), 0.0, 1e-5);
 }
 

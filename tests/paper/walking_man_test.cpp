@@ -1,5 +1,5 @@
-// A real character and a real surface move as flesh should: seen only as hashes, a body that collapses passes
-// every comparison of devices.
+// A real character and a real surface move as flesh should. Tests that only compare hashes between devices
+// would accept a collapsing body.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ namespace fascicle::tests {
 
 namespace {
 
-using Frames = std::vector<std::vector<float>>;  // metres, the render mesh in world space
+using Frames = std::vector<std::vector<float>>;  // the render mesh in world space, metres
 
 Frames bake(const std::string& file, const std::vector<std::string>& set, std::uint64_t frames) {
   scene::SceneOverrides overrides;
@@ -67,9 +67,9 @@ Lag lag_behind(const Frames& flesh, const Frames& skinned) {
   return lag;
 }
 
-// Height 1.5 m. Flesh that is there at all lags by more than half a millimetre in the mean; flesh that holds
-// stays within 1 % of the height in the mean (measured 1.7 mm) and 8 % anywhere (measured 67 mm, at an armpit
-// that skinning itself crushes).
+// Height 1.5 m. The flesh must lag by more than half a millimetre in the mean, but stay within 1 % of the
+// height in the mean (measured 1.7 mm) and 8 % anywhere (measured 67 mm, at an armpit that skinning itself
+// crushes).
 TEST(WalkingMan, FleshFollowsTheSkeletonAndLags) {
   FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
   const std::string man = asset("CesiumMan.glb").string();
@@ -80,14 +80,14 @@ TEST(WalkingMan, FleshFollowsTheSkeletonAndLags) {
   EXPECT_LT(lag.mean, 0.015);
   EXPECT_LT(lag.largest, 0.12);
 
-  // The control: with bones that reach nothing but the innermost millimetres, flesh falls off them, and this
-  // test sees it.
+  // The control: with bones that reach only the innermost millimetres, flesh falls off them, and this test
+  // detects it.
   const Frames collapsed = bake(man, {"layers.bone.where={sphere={center=[0,0.7,0],radius=0.1}}"}, 120);
   EXPECT_GT(lag_behind(collapsed, skinned).largest, 0.12);
 }
 
 // The bunny, 154 mm tall, base pinned, under gravity: its top sinks by 2 to 8 % of the height (measured 3.9
-// %) and is still after a second.
+// %) and is at rest after a second.
 TEST(Bunny, StandsUnderItsOwnWeight) {
   FASCICLE_NEEDS_ASSET(asset("bunny.off"));
   const Frames frames = bake(asset("bunny.off").string(), {}, 66);

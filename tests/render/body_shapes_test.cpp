@@ -1,4 +1,4 @@
-// What is drawn of a model, without drawing it.
+// The shapes drawn for a model, without drawing them.
 #include "host/render/body_shapes.h"
 
 #include <algorithm>
@@ -68,11 +68,11 @@ TEST(BodyShapes, ClipDropsWhatLiesWhollyOnOneSideAndShowsTheCut) {
   const model::Model model = two_layers();
   for (const bool below : {true, false}) {
     const render::Shape shape = draw(model, {Mode::shaded, true, render::Clip{0, 0.5, below}, 0.0});
-    // The plane runs between cubes: half of the bar stays, with a wall of 0.5 x 0.5 m at the cut.
+    // The plane runs between cubes: half of the bar remains, with a wall of 0.5 x 0.5 m at the cut.
     EXPECT_NEAR(area_of(shape), 2.0 * (0.5 * 0.5 + 0.5 * 0.5 + 0.5 * 0.5), 1e-5);
     for (const Vector3f& p : shape.positions) EXPECT_TRUE(below ? p.x() <= 0.5f : p.x() >= 0.5f);
   }
-  // Through the cubes: those it cuts stay whole.
+  // Through the cubes: cut cubes stay whole.
   const render::Shape through = draw(model, {Mode::shaded, true, render::Clip{0, 0.6, true}, 0.0});
   float farthest = 0.0f;
   for (const Vector3f& p : through.positions) farthest = std::max(farthest, p.x());
@@ -93,7 +93,7 @@ TEST(BodyShapes, LayersTakeTheLegendsColoursAndNoOthers) {
     const render::Shape& shape = shapes.front();
     EXPECT_EQ(shape.finish, render::Finish::plain);
     for (std::size_t k = 0; k < shape.colours.size(); ++k) {
-      // Cells between x = 0.5 and 0.75 may be either; beyond there is no doubt.
+      // Between x = 0.5 and 0.75 a cell may be either; elsewhere it is unambiguous.
       if (shape.positions[k].x() < 0.45f) {
         EXPECT_EQ(shape.colours[k], legend.entries[0].colour);
       } else if (shape.positions[k].x() > 0.8f) {
@@ -119,8 +119,8 @@ TEST(BodyShapes, LagTakesTheScalesColours) {
   EXPECT_EQ(drawing.legend().entries.back().colour, render::scale_colour(1.0f));
 }
 
-// Flesh in other flesh takes the scale's colours, all else one that is none of them; and each such vertex has
-// a mark before the whole body, on the line from the eye to it.
+// Flesh inside other flesh has colours of the scale, everything else another colour. Each such vertex also
+// has a mark in front of the body, on its line to the eye.
 TEST(BodyShapes, ContactShowsDepthThroughTheBody) {
   const model::Model model = two_layers();
   std::vector<float> depth(model.vertex_count, -1.0f);
@@ -162,14 +162,14 @@ TEST(BodyShapes, ContactShowsDepthThroughTheBody) {
     }
     const std::size_t i = 3 * std::size_t{deep[k]};
     const Vector3f to(Vector3f(positions[i], positions[i + 1], positions[i + 2]) - eye);
-    // Places 10 m from the eye are floats: 1e-6 of each.
+    // Positions 10 m from the eye are floats: 1e-6 of each.
     EXPECT_LT((middle - eye).normalized().cross(to.normalized()).norm(), 1e-5f);
   }
   for (const render::Shape& shape : drawing.shapes(positions, std::vector<float>(depth.size(), -1.0f), eye))
     for (const Vector3f& colour : shape.colours) EXPECT_EQ(colour, render::colour(0xd2d0cc));
 }
 
-// Lines lie along the fibre as the flesh carries it: sheared by x += y, upright fibres lean by 45 degrees.
+// Lines follow the deformed fibres: sheared by x += y, upright fibres tilt by 45 degrees.
 TEST(BodyShapes, FibresFollowTheDeformation) {
   const model::Model model = two_layers();
   std::vector<float> positions = metres(model);
@@ -189,7 +189,7 @@ TEST(BodyShapes, FibresFollowTheDeformation) {
   }
 }
 
-// A box's sides have one normal each; a vertex of the mesh becomes three where three sides meet.
+// Each side of a box has one normal; a mesh vertex becomes three where three sides meet.
 TEST(BodyShapes, CreasesSplitNormalsAndNothingElse) {
   const model::Model model = two_layers();
   ASSERT_GT(model.surface_count(), 0u);
@@ -200,8 +200,8 @@ TEST(BodyShapes, CreasesSplitNormalsAndNothingElse) {
                                 .cross(shape.positions[t[2]] - shape.positions[t[0]])
                                 .normalized();
     for (const std::uint32_t corner : t)
-      // The test's render vertices ride a little inside and bend its sides by up to 10 degrees; a normal
-      // shared round an edge would be off by 45.
+      // The test's render vertices are slightly inside and bend its sides by up to 10 degrees; a normal
+      // shared across an edge would be off by 45.
       EXPECT_GT(across.dot(shape.normals[corner]), 0.98f);
   }
 }

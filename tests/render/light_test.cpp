@@ -1,4 +1,4 @@
-// Light and shadow where both are known.
+// Light and shadow in known configurations.
 #include "host/render/light.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 
 const Vector3f white(1, 1, 1);
 
-// Lit from straight above, a square shades what is below it and nothing beside it; itself it does not shade.
+// Lit from directly above, a square shadows what is below it, and neither what is beside it nor itself.
 TEST(ShadowMap, SquareShadesWhatLiesBelowIt) {
   const std::vector<render::Shape> shapes{square({0, 1, 0}, {0.5f, 0, 0}, {0, 0, -0.5f}, white)};
   const unsigned size = 512;
@@ -33,7 +33,7 @@ TEST(ShadowMap, SquareShadesWhatLiesBelowIt) {
     }
 }
 
-// A convex body never shades a place that faces the lamp.
+// A convex body never shadows a point that faces the lamp.
 TEST(ShadowMap, SphereDoesNotShadeItsLitSide) {
   const render::Shape ball = sphere({0, 0, 0}, 1.0f, white);
   const std::vector<render::Shape> shapes{ball};
@@ -41,7 +41,7 @@ TEST(ShadowMap, SphereDoesNotShadeItsLitSide) {
   const render::ShadowMap map(shapes, towards, Vector3f::Zero(), 1.02f, 1024);
   for (std::size_t k = 0; k < ball.positions.size(); k += 7) {
     const float cosine = ball.normals[k].dot(towards);
-    // Near the terminator the map's texels and the lift off the surface tell.
+    // Near the terminator, texel size and bias matter.
     if (cosine > 0.1f) {
       EXPECT_EQ(map.visibility(ball.positions[k], ball.normals[k]), 1.0f) << k;
     }
@@ -67,7 +67,8 @@ TEST(StudioLamps, KeyComesFromTheUpperLeftOfTheCamera) {
   }
 }
 
-// The picture follows the normals given, not only the triangles: turned away from the key, a plate is darker.
+// Shading uses the given normals, not just the triangles: with normals turned away from the key light, a
+// plate is darker.
 TEST(Render, BrightnessFollowsTheNormal) {
   const auto brightness = [](const Vector3f& normal) {
     render::Shape plate = square({0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, {0.5f, 0.5f, 0.5f});
@@ -81,7 +82,8 @@ TEST(Render, BrightnessFollowsTheNormal) {
   EXPECT_GT(straight, away + 20);
 }
 
-// On a plain finish white light scales a colour and does not tint it: a legend's colour is recognised.
+// On a plain finish, white light scales a colour without tinting it, so that a legend's colour can be
+// recognised.
 TEST(Render, PlainFinishKeepsTheHue) {
   const Vector3f paint(0.6f, 0.3f, 0.15f);
   const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 0.5f, paint, 32)};
@@ -99,7 +101,7 @@ TEST(Render, PlainFinishKeepsTheHue) {
       const std::uint8_t* pixel = image.at(x, y);
       const double light = linear(pixel[0]) / 0.6;
       EXPECT_LE(light, 1.0);
-      // Half a step of a byte is at most 1 % of these values.
+      // Half a byte's step is at most 1 % of these values.
       EXPECT_NEAR(linear(pixel[1]) / 0.3, light, 0.04 * light + 0.002);
       EXPECT_NEAR(linear(pixel[2]) / 0.15, light, 0.04 * light + 0.004);
       ++seen;
@@ -107,8 +109,8 @@ TEST(Render, PlainFinishKeepsTheHue) {
   EXPECT_GT(seen, 1000u);
 }
 
-// The floor is paper but for shadow: dark under a ball that touches it, untouched far away, and no floor, no
-// shadow.
+// The floor is paper except for shadow: dark under a ball that touches it, unchanged far away. Without a
+// floor there is no shadow.
 TEST(Render, FloorTakesShadowOnlyNearTheBody) {
   const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 0.5f, white, 32)};
   render::Camera camera = camera_on_z(0.0, 120.0, 160, 120);
@@ -125,7 +127,7 @@ TEST(Render, FloorTakesShadowOnlyNearTheBody) {
   while (depth.triangle[below * 160 + x] != render::no_triangle) ++below;
   EXPECT_LT(with.at(x, below + 1)[0] + 30, without.at(x, below + 1)[0]);
   EXPECT_NEAR(with.at(2, 110)[0], without.at(2, 110)[0],
-              3);  // far from the ball; the dome still loses a little
+              3);  // far from the ball, which still hides a little of the dome
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Textures: what a texel's colour becomes on a picture, how they wrap and shrink, and images of strangers.
+// Textures: the colour of a texel in a picture, wrapping, minification, and untrusted images.
 #include "host/render/looks.h"
 
 #include <algorithm>
@@ -69,10 +69,10 @@ TEST(Texture, MiddlesOfTexelsHaveTheirColoursAndBetweenIsTheMean) {
     float mean = 0.0f;
     for (const Colour& colour : {red, green, blue, white})
       mean += 0.25f * render::linear_of_srgb(static_cast<float>(colour[c]) / 255.0f);
-    // Texels are kept as multiples of 1/65535.
+    // Texels are stored as multiples of 1/65535.
     EXPECT_NEAR(middle[static_cast<Eigen::Index>(c)], mean, 1e-5f);
   }
-  // The smaller version is that mean too.
+  // The mip level is the same mean.
   EXPECT_LT((texture.at({0.1f, 0.9f}, 1) - middle).cwiseAbs().maxCoeff(), 3e-5f);
 }
 
@@ -102,8 +102,8 @@ TEST(Texture, LargeOnesAreKeptSmaller) {
   EXPECT_EQ(texture.level_for(1e9f), 2u);
 }
 
-// A square of 20 x 20 cm, 40 x 40 pixels, with its texture upright; in ink, so that a pixel is the paint
-// itself.
+// A square of 20 x 20 cm, 40 x 40 pixels, with its texture upright; in ink, so that a pixel is the unshaded
+// paint.
 render::Shape textured(const render::Looks& looks) {
   render::Shape shape = square({0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, Vector3f::Ones());
   shape.finish = render::Finish::ink;
@@ -123,7 +123,7 @@ std::array<std::uint8_t, 3> pixel(const Image& image, unsigned x, unsigned y) {
   return {image.at(x, y)[0], image.at(x, y)[1], image.at(x, y)[2]};
 }
 
-// What differs by at most `most`.
+// Equal within `most`.
 void expect_near(const std::array<std::uint8_t, 3>& a, const std::array<std::uint8_t, 3>& b, int most) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(int{a[c]}, int{b[c]}, most);
 }
@@ -133,14 +133,14 @@ TEST(Looks, TexturedSquareShowsItsTexels) {
   looks.textures.emplace_back(four(), Wrap::clamp, Wrap::clamp);
   looks.paints.push_back({.texture = 0});
   const Image image = drawn(textured(looks));
-  // Near the corners clamping leaves one texel alone.
+  // Near the corners, clamping leaves a single texel.
   expect_near(pixel(image, 12, 12), opaque(red), 1);
   expect_near(pixel(image, 47, 12), opaque(green), 1);
   expect_near(pixel(image, 12, 47), opaque(blue), 1);
   expect_near(pixel(image, 47, 47), opaque(white), 1);
   EXPECT_EQ(drawn(textured(looks), 7).pixels, image.pixels);
 
-  // The base colour and the vertices' colours multiply it, in linear light.
+  // The base colour and the vertex colours multiply it, in linear light.
   looks.paints[0].colour = {0.5f, 1.0f, 0.25f};
   render::Shape half = textured(looks);
   half.colours.assign(4, Vector3f(1.0f, 0.5f, 1.0f));
@@ -151,7 +151,7 @@ TEST(Looks, TexturedSquareShowsItsTexels) {
               1);
 }
 
-// Half of the texels are holes: half of the square's pixels are backdrop. Without a cutoff none is.
+// Half of the texels are holes, so half of the square's pixels show the backdrop. Without a cutoff none do.
 TEST(Looks, MaskedTexelsAreHoles) {
   Colour hole = green;
   hole[3] = 0;
@@ -164,13 +164,13 @@ TEST(Looks, MaskedTexelsAreHoles) {
     for (std::size_t k = 0; k < image.pixels.size(); k += 3) count += image.pixels[k] > 0 ? 1u : 0u;
     return count;
   };
-  // 40 x 40 pixels; alpha is a half in the middle column.
+  // 40 x 40 pixels; alpha is 0.5 in the middle column.
   EXPECT_NEAR(static_cast<double>(lit()), 800.0, 40.0);
   looks.paints[0].cutoff = 0.0f;
   EXPECT_EQ(lit(), 1600u);
 }
 
-// A board of single texels seen from afar is even grey, whatever pixels it falls on.
+// A checkerboard of single texels is uniform grey from afar, at any pixel offset.
 TEST(Looks, SmallVersionsKeepAFineBoardFromFlickering) {
   std::vector<Colour> board;
   for (unsigned y = 0; y < 512; ++y)
@@ -185,7 +185,7 @@ TEST(Looks, SmallVersionsKeepAFineBoardFromFlickering) {
     for (unsigned x = 12; x < 48; ++x) expect_near(pixel(image, x, y), {grey, grey, grey}, 1);
 }
 
-// The bytes of a picture as libjpeg writes it.
+// A picture as JPEG bytes, from libjpeg.
 std::vector<unsigned char> jpeg_of(const Image& image, bool is_progressive = false) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -241,7 +241,7 @@ TEST(DecodeImage, ReadsPngExactlyAndJpegNearly) {
   EXPECT_EQ(jpeg.flaw, "");
   ASSERT_EQ(jpeg.texels.width, 20u);
   ASSERT_EQ(jpeg.texels.height, 12u);
-  // An even colour loses only roundings between the colour spaces.
+  // A uniform colour only suffers rounding between colour spaces.
   for (std::size_t k = 0; k < 240; ++k) {
     EXPECT_NEAR(jpeg.texels.values[4 * k], 180, 3);
     EXPECT_NEAR(jpeg.texels.values[4 * k + 1], 90, 3);
@@ -266,7 +266,7 @@ TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
       EXPECT_TRUE(!image.texels.values.empty() || !image.flaw.empty());
     }
   }
-  // A header that says 60000 x 60000, whose checksum is right: refused before memory is taken.
+  // A header of 60000 x 60000 with a correct checksum is refused before memory is allocated.
   std::vector<unsigned char> huge = png;
   for (const std::size_t at : {std::size_t{16}, std::size_t{20}}) {
     huge[at + 2] = 60000 / 256;
@@ -283,7 +283,7 @@ TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
   EXPECT_NE(image.flaw.find("60000 x 60000 is larger"), std::string::npos) << image.flaw;
 }
 
-// Each scan goes over the whole picture: how many there may be depends on its size.
+// Each scan covers the whole picture, so the limit on scans depends on its size.
 TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
   const std::vector<unsigned char> whole = jpeg_of(plain_image(40, 30), true);
   const auto find = [&](unsigned char marker) {
@@ -296,7 +296,7 @@ TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
   for (int k = 0; k < 100; ++k) busy.insert(busy.end(), last_scan, end);
   busy.insert(busy.end(), end, whole.end());
   EXPECT_EQ(render::decode_image(busy).texels.width, 40u);
-  // The frame's height and width: 4096 x 8192, which one scan or ten may have.
+  // Sets the frame's height and width: 4096 x 8192, for which up to about ten scans are allowed.
   const auto sized = [&](std::vector<unsigned char> bytes) {
     const auto at = static_cast<std::size_t>(frame - whole.begin()) + 5;
     for (const std::size_t k : {0u, 2u}) {

@@ -1,4 +1,4 @@
-// Pixels against closed forms: silhouettes, depths, cameras, colours, and the PNG as libpng reads it back.
+// Pixels compared with closed forms: silhouettes, depths, cameras, colours, and the PNG as libpng reads it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,8 +36,8 @@ TEST(Picture, SpheresSilhouetteHasTheAreaOfItsCircle) {
   const std::vector<render::Shape> shapes{sphere(Vector3f::Zero(), 0.5f, red)};
   const render::DepthImage image = render::render_depth(shapes, camera_on_z(distance, focal, 321, 241));
   const double circle = focal * radius / std::sqrt(distance * distance - radius * radius);
-  // Pixel centres inside a convex outline: off by no more than the pixels that the outline touches, for which
-  // its length is a bound that is seldom half reached.
+  // Pixel centres inside a convex outline: off by at most the pixels that the outline touches. Its length
+  // bounds their number, and that bound is seldom half reached.
   EXPECT_NEAR(static_cast<double>(covered(image)), std::numbers::pi * circle * circle,
               2.0 * std::numbers::pi * circle);
   for (unsigned y = 0; y < image.height; ++y)
@@ -60,8 +60,8 @@ TEST(Picture, SpheresDepthIsWhereTheRayMeetsIt) {
       const Vector3d ray = camera.ray(x + 0.5, y + 0.5);  // its third component is -1
       const double a = ray.squaredNorm(), b = distance * ray.z(), c = distance * distance - radius * radius;
       const double root = b * b - a * c;
-      // Flat patches are up to 1.5e-4 radius inside; at half the outline's radius that is twice as much along
-      // the ray, at the rim without bound: judge where the surface is not steep.
+      // Flat patches are up to 1.5e-4 radius inside. At half the outline's radius that is twice as much along
+      // the ray, and unbounded at the rim, so skip steep places.
       if (root < 0.3 * radius * radius) continue;
       EXPECT_NEAR(image.depth[y * image.width + x], (-b - std::sqrt(root)) / a, 4e-4 * radius)
           << x << " " << y;
@@ -70,7 +70,7 @@ TEST(Picture, SpheresDepthIsWhereTheRayMeetsIt) {
   EXPECT_GT(seen, 5000u);
 }
 
-// Two triangles that share a side leave no hole along it and the nearer square hides the farther one.
+// Two triangles with a common side leave no gap, and the nearer square hides the farther one.
 TEST(Picture, SquaresCoverEachPixelCentreWithinOnceAndTheNearerWins) {
   const Camera camera = camera_on_z(2.0, 100.0, 120, 100);
   const std::vector<render::Shape> shapes{
@@ -79,10 +79,10 @@ TEST(Picture, SquaresCoverEachPixelCentreWithinOnceAndTheNearerWins) {
       square({0, 0, -1.0f}, {0.2f, 0, 0}, {0, 0.2f, 0}, red),  // hidden
   };
   const render::DepthImage image = render::render_depth(shapes, camera);
-  // 100 / 2 x 1 m by 0.8 m: 50 x 40 pixels, sides on pixel borders.
+  // 100 / 2 x 1 m by 0.8 m: 50 x 40 pixels, with sides on pixel borders.
   EXPECT_EQ(covered(image), 2000u);
-  // 100 / 1.6 x 0.4 m: 25 x 25, from 47.5 to 72.5 across and from 37.5 to 62.5 down. A centre on a side
-  // belongs to one of the two sides' pixels.
+  // 100 / 1.6 x 0.4 m: 25 x 25, from 47.5 to 72.5 across and from 37.5 to 62.5 down. A pixel centre on a side
+  // belongs to one of the two neighbours.
   std::size_t front = 0;
   for (std::size_t k = 0; k < image.depth.size(); ++k) {
     if (image.triangle[k] == 2 || image.triangle[k] == 3) {
@@ -96,12 +96,11 @@ TEST(Picture, SquaresCoverEachPixelCentreWithinOnceAndTheNearerWins) {
   EXPECT_EQ(front, 625u);
 }
 
-// An upright edge k/16 into a pixel leaves 1 - k/16 of it covered: the samples stand in sixteen columns and
-// rows.
+// A vertical edge k/16 into a pixel covers 1 - k/16 of it: the samples are in sixteen columns and rows.
 TEST(Picture, EdgesAreMixedByArea) {
   for (int k = 0; k <= 16; ++k) {
     const float shift = static_cast<float>(k) / 16.0f;
-    // In pixels of 1 cm; sides 22 + shift to 42 + shift across, and as far up.
+    // In pixels of 1 cm: from 22 + shift to 42 + shift, both across and up.
     render::Shape panel = square({0.01f * shift, 0.01f * shift, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {1, 1, 1});
     panel.finish = render::Finish::ink;
     const std::vector<render::Shape> shapes{panel};
@@ -133,7 +132,7 @@ TEST(Picture, ThreadsAndRepetitionChangeNoByte) {
   EXPECT_EQ(render::encode_png(one), render::encode_png(one));
 }
 
-// What reaches behind the camera, is not a number or lies in one line is left out; the rest is drawn.
+// Triangles that reach behind the camera, are not finite or are degenerate are left out; the rest is drawn.
 TEST(Picture, TrianglesThatCannotBeDrawnAreLeftOut) {
   render::Shape shape = square({0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, red);
   shape.positions.insert(shape.positions.end(), {{0, 0, 5}, {1e30f, 0, 0}, {std::nanf(""), 0, 0}, {0, 0, 0}});
@@ -163,8 +162,8 @@ TEST(CameraFit, HoldsEveryPointAndTouchesTheMargin) {
       EXPECT_GT(q.z(), 0.0);
       most = std::max({most, std::fabs(q.x() - 150.0) / 150.0, std::fabs(q.y() - 100.0) / 100.0});
     }
-    EXPECT_NEAR(most, 0.9, 1e-9);  // a tenth stays free; double rounding
-    // The ray through where a point is seen leads to the point.
+    EXPECT_NEAR(most, 0.9, 1e-9);  // with a margin of a tenth; double rounding
+    // The ray through a projected point leads to the point.
     const Vector3d q = camera.project(points[0]);
     EXPECT_NEAR((camera.eye + q.z() * camera.ray(q.x(), q.y()) - points[0]).norm(), 0.0, 1e-9);
   }
@@ -236,7 +235,7 @@ TEST(Annotate, TextStaysInItsBoxAndUnknownLettersAreBlank) {
   Image blank(200, 60);
   render::draw_text(blank, 10, 20, 14, " ~\xc3\xa9\n", Vector3f::Ones());
   EXPECT_EQ(blank.pixels, Image(200, 60).pixels);
-  render::draw_text(blank, 190, 55, 14, "CUT OFF", Vector3f::Ones());  // runs over the edge, harmlessly
+  render::draw_text(blank, 190, 55, 14, "CUT OFF", Vector3f::Ones());  // clipped at the edge
 }
 
 TEST(Annotate, LegendShowsEachColourUnchanged) {

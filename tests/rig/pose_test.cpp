@@ -100,7 +100,7 @@ TEST(Sample, step_holds_and_linear_runs_and_both_are_clamped) {
 }
 
 TEST(Sample, cubic_splines_pass_their_keys_with_their_tangents) {
-  // In-tangent, value, out-tangent of each key.
+  // In-tangent, value and out-tangent of each key.
   const Channel channel{0,
                         ChannelPath::scale,
                         Interpolation::cubic_spline,
@@ -170,8 +170,7 @@ TEST(Pose, a_bent_joint_takes_along_what_hangs_on_it) {
   const rig::Character character = arm();
   const std::vector<Matrix4d> pose = rig::pose_at(character, rig::find_clip(character, "bend"), 0.5);
   EXPECT_EQ(pose[0], Matrix4d::Identity());
-  // Half of a quarter turn about the joint at (0.5, 1, 0): what was one metre above it now points up and to
-  // the left.
+  // 45 degrees about the joint at (0.5, 1, 0): the point one metre above it is now up and to the left.
   const Eigen::Vector4d tip = pose[1] * Eigen::Vector4d(0.5, 2, 0, 1);
   const double c = std::cos(std::numbers::pi / 4);
   EXPECT_LT((tip - Eigen::Vector4d(0.5 - c, 1 + c, 0, 1)).norm(), rounding);
@@ -191,7 +190,7 @@ TEST(FindClip, by_name_then_by_number) {
   EXPECT_EQ(rig::find_clip(character, ""), &character.clips[0]);
   EXPECT_EQ(rig::find_clip(character, "lift"), &character.clips[2]);
   EXPECT_EQ(rig::find_clip(character, "2"), &character.clips[2]);
-  EXPECT_EQ(rig::find_clip(character, "1"), &character.clips[1]);  // a name comes before a number
+  EXPECT_EQ(rig::find_clip(character, "1"), &character.clips[1]);  // a name takes precedence over an index
   EXPECT_EQ(rig::find_clip(rig::Character{}, ""), nullptr);
   EXPECT_THROW(rig::find_clip(rig::Character{}, "0"), base::SceneError);
   for (const char* name : {"3", "-1", "1x", "end", "99999999999999999999999"}) {
@@ -204,7 +203,7 @@ TEST(FindClip, by_name_then_by_number) {
   }
 }
 
-// Exporters put the armature's name before the clip's.
+// Exporters prefix a clip's name with the armature's.
 TEST(FindClip, by_the_last_part_of_its_name) {
   rig::Character character;
   for (const char* name : {"AnimalArmature|Gallop", "AnimalArmature|Gallop_Jump", "AnimalArmature|Idle_2",
@@ -214,11 +213,11 @@ TEST(FindClip, by_the_last_part_of_its_name) {
   EXPECT_EQ(found("Gallop"), "AnimalArmature|Gallop");
   EXPECT_EQ(found("gallop"), "AnimalArmature|Gallop");
   EXPECT_EQ(found("ANIMALARMATURE|GALLOP"), "AnimalArmature|Gallop");
-  EXPECT_EQ(found("Walk"), "Dog:Walk");  // letters as written go first
+  EXPECT_EQ(found("Walk"), "Dog:Walk");  // a case-sensitive match takes precedence
   EXPECT_EQ(found("walk"), "Dog:walk");
   EXPECT_EQ(found("Frog_Attack"), "FrogArmature|Frog_Attack");
   EXPECT_EQ(found("attack"), "FrogArmature|Frog_Attack");
-  EXPECT_EQ(found("2"), "AnimalArmature|Idle_2");  // a number
+  EXPECT_EQ(found("2"), "AnimalArmature|Idle_2");  // an index
   const auto refusal = [&](const char* name) -> std::string {
     try {
       return "found " + rig::find_clip(character, name)->name;

@@ -1,4 +1,4 @@
-// Linear keys that are samples of a motion, made smooth, beside the motions they are samples of.
+// Smoothed linear keys that sample a motion, compared with that motion.
 #include "host/rig/smooth_clip.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ using rig::Channel;
 using rig::ChannelPath;
 using rig::Interpolation;
 
-constexpr double rate = 24.0;  // keys a second
+constexpr double rate = 24.0;  // keys per second
 constexpr double pi = std::numbers::pi;
 
 // A few dozen operations on numbers near 1, each off by 1e-16.
@@ -50,7 +50,7 @@ double largest_error(const Channel& channel, const std::function<Vector3d(double
   return largest;
 }
 
-// The largest jump of velocity at a key inside the channel, per second.
+// The largest velocity jump at an inner key, per second.
 double largest_jump(const Channel& channel) {
   constexpr double e = 1e-6;
   double largest = 0.0;
@@ -64,12 +64,12 @@ double largest_jump(const Channel& channel) {
 }
 
 // A wave of 1.5 Hz: straight lines are off by (omega h)^2/8 = 1.9 % of its height, cubics with the parabola's
-// slope by about (omega h)^3/40, more at the ends, whose slope is one-sided.
+// slope by about (omega h)^3/40, and by more at the ends, where slopes are one-sided.
 TEST(SmoothClip, FollowsTheMotionThatTheKeysAreSamplesOf) {
   const Channel lines = sampled(wave, frames(24)), smooth = rig::smooth_channel(lines);
   EXPECT_LT(largest_error(smooth, wave), 5e-3);
   EXPECT_GT(largest_error(lines, wave), 1.5e-2);
-  // Velocity does not jump: what is left is the acceleration, some 100 a second squared, over 1e-6 s.
+  // Velocity is continuous: what remains is the acceleration, about 100 per second squared, over 1e-6 s.
   EXPECT_LT(largest_jump(smooth), 1e-3);
   EXPECT_GT(largest_jump(lines), 3.0);
 }
@@ -79,16 +79,16 @@ TEST(SmoothClip, KeysStayAsTheyAre) {
   for (const double t : lines.times) EXPECT_EQ(rig::sample(smooth, t), rig::sample(lines, t)) << t;
 }
 
-// Free fall, with the top of its arc between two samples, which plain limiters would cut off. The first and
-// the last stretch have one-sided slopes, which fit a parabola too.
+// Free fall, with the top of its arc between two samples, which simple limiters would cut off. One-sided
+// slopes at both ends are exact for a parabola too.
 TEST(SmoothClip, ReproducesAParabola) {
   const auto fall = [](double t) { return Vector3d(t, 3.0 * t - 4.905 * t * t, 1.0); };
   std::vector<double> times = frames(16);
-  times.erase(times.begin() + 5);  // and need not be even
+  times.erase(times.begin() + 5);  // spacing need not be even
   EXPECT_LT(largest_error(rig::smooth_channel(sampled(fall, times)), fall), spline_rounding);
 }
 
-// A pose held, a step, a pose held: nothing before, nothing beyond.
+// A held pose, a step and a held pose: no overshoot before or after.
 TEST(SmoothClip, HoldsAndStepsDoNotOvershoot) {
   const auto step = [](double t) { return Vector3d(t < 0.27 ? 0.0 : 1.0, 0.0, 0.0); };
   const Channel smooth = rig::smooth_channel(sampled(step, frames(12)));
@@ -104,7 +104,7 @@ TEST(SmoothClip, HoldsAndStepsDoNotOvershoot) {
   }
 }
 
-// What lies further apart than a tenth of a second is an artist's line.
+// Keys more than a tenth of a second apart are taken as intended straight lines.
 TEST(SmoothClip, SparseKeysKeepTheirLines) {
   const Channel sparse = sampled(wave, {0.0, 0.25, 0.5, 1.0});
   EXPECT_EQ(rig::smooth_channel(sparse).interpolation, Interpolation::linear);
@@ -118,7 +118,7 @@ TEST(SmoothClip, SparseKeysKeepTheirLines) {
     const Channel smooth = rig::smooth_channel(mixed);
     EXPECT_EQ(smooth.interpolation, Interpolation::cubic_spline);
     for (double t = 0.51; t < 1.0; t += 0.07)
-      // Slerp's own spline_rounding apart: its keys are brought to length 1 twice.
+      // Within spline_rounding of slerp: its keys are normalised twice.
       EXPECT_LT((rig::sample(smooth, t) - rig::sample(mixed, t)).norm(), spline_rounding) << t;
   }
 }
@@ -148,7 +148,7 @@ double angle_of(const Vector4d& q) {
   return 2.0 * std::atan2(q.head<3>().dot(Vector3d(1, 2, -2) / 3.0), q[3]);
 }
 
-// A limb that swings by 90 degrees to and fro, 1.2 times a second: up to 16 degrees between keys.
+// A limb that swings by 90 degrees and back, 1.2 times a second: up to 16 degrees between keys.
 TEST(SmoothClip, RotationsFollowTheMotionWhateverSideTheirQuaternionsLieOn) {
   const auto swing = [](double t) { return 0.5 * pi * std::sin(2.4 * pi * t); };
   const Channel lines = turn(swing, frames(24));
@@ -166,16 +166,16 @@ TEST(SmoothClip, RotationsFollowTheMotionWhateverSideTheirQuaternionsLieOn) {
   }
   EXPECT_LT(off, 0.25 * off_lines);
   EXPECT_LT(largest_jump(smooth), 1e-3);
-  // Half the angle's acceleration, over a key: (2.4 pi)^2 pi/4 / 24 = 1.86.
+  // Half the angular acceleration, over a key: (2.4 pi)^2 pi/4 / 24 = 1.86.
   EXPECT_GT(largest_jump(lines), 1.5);
 }
 
-// A cycle whose end is its beginning goes on as it began; the slope there is that of the wave, within the
-// (omega h)^2/6 = 1.1 % of a difference over two keys.
+// A cycle whose end equals its beginning continues smoothly; the slope at the seam is that of the wave,
+// within the (omega h)^2/6 = 1.1 % of a difference over two keys.
 TEST(SmoothClip, AClipThatRepeatsIsSmoothAtItsSeam) {
   const auto cycle = [](double t) { return Vector3d(std::sin(2.0 * pi * t), 0.0, 0.0); };
   rig::Clip clip{"cycle", 1.0, {sampled(cycle, frames(24))}};
-  // The other way round at the end, as a quaternion may come.
+  // The last key with the opposite sign, as quaternions may come.
   clip.channels.push_back(turn([](double t) { return 2.0 * pi * t; }, frames(24)));
   const auto ends = [](const Channel& channel) {
     constexpr double e = 1e-7;
@@ -186,7 +186,7 @@ TEST(SmoothClip, AClipThatRepeatsIsSmoothAtItsSeam) {
   const rig::Clip once = rig::smooth_clip(clip, false, 0.0, 1.0),
                   again = rig::smooth_clip(clip, true, 0.0, 1.0);
   const auto [first, last] = ends(again.channels[0]);
-  EXPECT_NEAR(first[0], last[0], 1e-4);  // differences over 1e-7 of numbers near 1
+  EXPECT_NEAR(first[0], last[0], 1e-4);  // differences over 1e-7 s of numbers near 1
   EXPECT_NEAR(first[0], 2.0 * pi, 0.012 * 2.0 * pi);
   const auto [turning, turned] = ends(again.channels[1]);
   EXPECT_LT((turning + turned).norm(), 1e-4);
@@ -196,7 +196,7 @@ TEST(SmoothClip, AClipThatRepeatsIsSmoothAtItsSeam) {
   EXPECT_EQ(rig::smooth_clip(clip, true, 0.5, 1.0).channels[0].values, once.channels[0].values);
 }
 
-// Keys of rotations that are not quite of length 1, and on either side.
+// Rotation keys of length not quite 1, with either sign.
 Channel turning(const std::vector<double>& times) {
   Channel turn{1, rig::ChannelPath::rotation, Interpolation::linear, times, {}, {}};
   for (const double t : times) {
@@ -206,7 +206,7 @@ Channel turning(const std::vector<double>& times) {
   return turn;
 }
 
-// Whether it repeats or not, and sparse keys too: a body is filled by such poses, whichever clip is played.
+// Also for repeating clips and sparse keys: bodies are filled in such poses, whichever clip is played.
 TEST(StraightClip, IsTheSameOfAClipThatWasMadeSmooth) {
   rig::Clip clip{"walk", 1.0, {sampled(wave, frames(24)), turning(frames(24)), turning({0.0, 0.5, 1.0})}};
   Channel held = turning({0.0, 0.5, 1.0});
@@ -226,7 +226,7 @@ TEST(StraightClip, IsTheSameOfAClipThatWasMadeSmooth) {
       EXPECT_TRUE(again.channels[c].straight.empty()) << c;
     }
   }
-  // What an artist drew as curves stays that.
+  // Keys authored as curves stay unchanged.
   rig::Clip drawn{"drawn", 1.0, {rig::smooth_channel(sampled(wave, frames(24)))}};
   drawn.channels[0].straight.clear();
   EXPECT_EQ(rig::straight_clip(drawn).channels[0].values, drawn.channels[0].values);

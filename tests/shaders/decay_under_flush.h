@@ -1,5 +1,5 @@
-// A vertex whose velocity dies away, stepped with the flush-to-zero mode of this CPU on or off. Two copies
-// are compiled, with snap as it is and without it (FASCICLE_NO_SNAP).
+// A vertex with decaying velocity, stepped with this CPU's flush-to-zero mode on or off. Compiled twice, with
+// snap and without it (FASCICLE_NO_SNAP).
 #pragma once
 
 #include <array>

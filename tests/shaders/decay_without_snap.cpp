@@ -1,5 +1,5 @@
-// The kernels are templates in headers: under their own name this second version would be merged with the
-// first at link time.
+// The kernels are templates in headers. Without another name, the linker would merge this version with the
+// first.
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define DECAY_FUNCTION decay_without_snap

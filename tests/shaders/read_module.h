@@ -21,7 +21,7 @@ inline spirv_exact::Words read_module(const std::string& path) {
   return words;
 }
 
-// A shader of ours as glslangValidator leaves it, before spirv_exact.
+// One of our shaders as glslangValidator writes it, before spirv_exact.
 inline spirv_exact::Words read_raw_module(const std::string& name) {
   return read_module(std::string(FASCICLE_BINARY_DIR) + "/shaders/" + name + ".raw.spv");
 }

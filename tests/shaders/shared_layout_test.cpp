@@ -1,5 +1,5 @@
-// The structs of shared.h and buffers.h have one layout in C++ and, by std430, another in GLSL, and the two
-// must be the same. The truth is in the compiled shaders: the Offset decorations of their members.
+// The structs of shared.h and buffers.h have a C++ layout and a std430 layout in GLSL, which must match. The
+// compiled shaders give the true offsets, in the Offset decorations of members.
 #include <cstddef>
 #include <cstring>
 #include <map>
@@ -24,10 +24,10 @@ std::string text_at(std::span<const std::uint32_t> words) {
 
 struct Layout {
   Members members;
-  std::uint32_t stride = 0;  // of a run-time array of it, 0 if there is none
+  std::uint32_t stride = 0;  // of a runtime array of it; 0 if there is none
 };
 
-// The struct named `name` that has offsets (a struct that only functions use has none).
+// The struct `name` that has offsets; a struct used only in functions has none.
 Layout layout_in(spirv_exact::Module module, const std::string& name) {
   std::map<std::uint32_t, std::string> names;
   std::map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;

@@ -18,13 +18,13 @@ TEST(Snap, ValuesBelowTheThresholdBecomePositiveZero) {
   EXPECT_NE(kernel::snap<float>(nan), kernel::snap<float>(nan));
 }
 
-// What a device does with denormal numbers must not be seen, so the values are the same whether this CPU
+// Results must not depend on a device's treatment of denormals, so they are the same whether or not this CPU
 // flushes them.
 TEST(Snap, HidesWhetherTheDeviceFlushesDenormals) {
   EXPECT_EQ(decay_with_snap(true), decay_with_snap(false));
 }
 
-// The control: without the snap it is seen.
+// The control: without the snap, flushing changes them.
 TEST(Snap, WithoutItFlushingIsSeen) {
   EXPECT_NE(decay_without_snap(true), decay_without_snap(false));
 }

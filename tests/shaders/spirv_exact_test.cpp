@@ -20,7 +20,7 @@ using spirv_exact::Instruction;
 using spirv_exact::Module;
 using spirv_exact::Words;
 
-// All shaders but `copy`, which computes nothing.
+// All shaders except `copy`, which computes nothing.
 std::vector<std::string> our_shaders() {
   std::vector<std::string> names;
   for (const std::string_view name : shader::module_names())
@@ -40,7 +40,7 @@ std::string all_of(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Shaders that compute nothing in floats: there is no operation for the pass to decorate.
+// Shaders without float arithmetic: the pass has nothing to decorate.
 bool only_compares(const std::string& shader) {
   return shader == "contact_bound" || shader == "contact_enclose" || shader == "contact_chain";
 }
@@ -51,12 +51,12 @@ TEST_P(OurShader, PassesTheLint) {
   EXPECT_EQ(all_of(spirv_exact::lint(shader::module_of(GetParam()))), "");
 }
 
-// The control: as the compiler leaves it, each shader that computes is refused.
+// The control: straight from the compiler, every shader that computes is refused.
 TEST_P(OurShader, WithoutThePassIsRefused) {
   EXPECT_EQ(spirv_exact::lint(read_raw_module(GetParam())).empty(), only_compares(GetParam()));
 }
 
-// Each decoration is needed: one left out is seen.
+// Every decoration is needed: leaving one out is detected.
 TEST_P(OurShader, OneUndecoratedOperationIsRefused) {
   if (only_compares(GetParam())) return;
   const Module exact = shader::module_of(GetParam());
@@ -97,7 +97,7 @@ TEST_P(OurShader, TakesTheFloatControlsAndStaysValid) {
 INSTANTIATE_TEST_SUITE_P(Shaders, OurShader, testing::ValuesIn(our_shaders()),
                          [](const auto& of) { return of.param; });
 
-// Shaders with one forbidden thing each. The pass decorates what it can; the lint must still refuse.
+// Shaders with one forbidden operation each. The pass decorates what it can; the lint must still refuse them.
 class Planted : public testing::TestWithParam<const char*> {};
 
 TEST_P(Planted, IsRefusedByLintAndTool) {
