@@ -1,5 +1,5 @@
-"""The add-on as users have it: the zip of the build, installed into Blender by its own operator, on characters that are
-imported there. Without Blender the tests are skipped, loudly; with FASCICLE_REQUIRE_BLENDER=1 they fail."""
+"""The add-on as users get it: the zip from the build, installed by Blender's own operator, on characters imported
+there. Without Blender the tests are skipped, loudly; with FASCICLE_REQUIRE_BLENDER=1 they fail."""
 
 import ast
 import hashlib
@@ -17,7 +17,7 @@ ADDON = os.environ["FASCICLE_ADDON"]
 HERE = os.path.dirname(os.path.abspath(__file__))
 REPOSITORY = os.path.dirname(os.path.dirname(HERE))
 ASSETS = os.path.join(REPOSITORY, "..", "shared", "assets")
-# Places in the world go through several products of single-precision matrices on the way to the file and back; a few
+# World positions go through several products of single-precision matrices on the way to the file and back; a few
 # hundred roundings of 6e-8 of the body's size stay below this.
 FLOATS = 2e-5
 
@@ -41,7 +41,7 @@ class WithBlender(unittest.TestCase):
         for name in ("RESOURCES", "SCRIPTS", "CONFIG"):
             cls.environment["BLENDER_USER_" + name] = os.path.join(cls.shared, "user", name.lower())
         cls.blender("--python-expr", "import bpy; bpy.ops.preferences.addon_install(filepath=%r)" % ADDON)
-        # A character of our own: the arm, whose clip is a curl.
+        # One of our characters: the arm, whose clip is a curl.
         subprocess.run([PROGRAM, "bake", "arm", "-o", os.path.join(cls.shared, "arm"), "--end", "1"], check=True,
                        capture_output=True, env=cls.environment)
         cls.arm = os.path.join(cls.shared, "arm", "character.glb")
@@ -55,7 +55,7 @@ class WithBlender(unittest.TestCase):
         return ran.stdout
 
     def check(self, name, character, before=("blender", "--background"), **said):
-        """What in_blender.py finds, with a folder of its own."""
+        """Runs a check of in_blender.py with a new folder; returns what it found."""
         folder = tempfile.TemporaryDirectory(prefix="fascicle-blender-")
         self.addCleanup(folder.cleanup)
         said.setdefault("folder", os.path.join(folder.name, "bakes"))
@@ -75,7 +75,8 @@ class WithBlender(unittest.TestCase):
 
 
 class RoundTrip(WithBlender):
-    """From Blender to the program and back: the flesh's vertices are the bake's floats, where the mesh stands."""
+    """From Blender to the program and back: the flesh's vertices are exactly the bake's floats, placed where the mesh
+    is."""
 
     def expect_shown(self, found, frames, objects=1):
         self.assertEqual(found["error"], 0.0)
@@ -86,7 +87,7 @@ class RoundTrip(WithBlender):
         self.assertEqual((found["left"], found["collections_left"]), ([], []))
 
     def expect_placed(self, found):
-        """Flesh that only follows the skeleton is where skinning has it, in Blender's world, in every frame."""
+        """Flesh that only follows the skeleton matches skinning in Blender's world, in every frame."""
         self.assertGreater(found["moved"], 0.02, "the clip moves nothing, so the check says nothing")
         self.assertLess(found["median"], FLOATS)
 
@@ -97,7 +98,7 @@ class RoundTrip(WithBlender):
         self.assertEqual(found["modifiers"], ["MESH_CACHE", "SUBSURF"])
 
     def test_its_flesh_leaves_the_skeleton(self):
-        # The control of the two above: free flesh is not where skinning has it.
+        # The control for the two checks above: free flesh differs from skinning.
         found = self.check("round_trip", self.arm, first=14, last=20)
         self.expect_shown(found, 7)
         self.assertGreater(found["largest"], 50 * FLOATS)
@@ -114,7 +115,7 @@ class RoundTrip(WithBlender):
 
     def test_shape_keys(self):
         found = self.check("round_trip", self.arm, only="hand", first=14, last=20, kind="SHAPE_KEYS")
-        # A key is kept as its place and added to the basis as a difference: one rounding each.
+        # A key stores positions, and its difference is added to the basis: one rounding each.
         self.assertLess(found["error"], 1e-6)
         self.assertEqual(found["modifiers"], ["SUBSURF"])
         self.expect_placed(found)
@@ -146,7 +147,7 @@ class Cancel(WithBlender):
 
 
 class Window(WithBlender):
-    """In a window on a display of Xvfb, where the operator is modal."""
+    """In a window on an Xvfb display, where the operator is modal."""
 
     def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):
         if not shutil.which("xvfb-run"):
@@ -194,7 +195,7 @@ class Settings(WithBlender):
         self.assertEqual(painted["_GROUP_BELLY_FAT"][:2], [0.25, 0.0])
         self.assertEqual(sum(painted["_GROUP_BELLY_FAT"]), 0.25 + count // 2 - count // 4)
         layers = {layer["name"]: layer for layer in found["manifest"]["scene"]["layers"]}
-        # Bone is the last, as the last that claims a point has it.
+        # Bone is last because the last matching layer applies.
         self.assertEqual(list(layers), ["fat", "muscle", "painted-0", "bone"])
         self.assertEqual(layers["painted-0"]["youngs_modulus"], 5500.0)
         self.assertEqual(layers["fat"]["density"], 1600.0)
@@ -218,7 +219,7 @@ class Archive(unittest.TestCase):
         self.assertEqual(sorted(names), sorted(name for name in os.listdir(source) if name.endswith(".py")))
         version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
         with tempfile.TemporaryDirectory() as folder:
-            # Elsewhere, at another time, under another mask, in another order.
+            # In another place, at another time, with another umask and file order.
             shutil.copytree(source, os.path.join(folder, "copy"), copy_function=shutil.copyfile)
             again = os.path.join(folder, "again.zip")
             subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "blender", "pack.py"), again, version,
@@ -230,7 +231,7 @@ class Archive(unittest.TestCase):
                     digests.append(hashlib.sha256(file.read()).hexdigest())
             self.assertEqual(*digests)
 
-    # What Blender 4.0 to 4.5 took out of its Python, of what an add-on like this might use.
+    # Python API removed in Blender 4.0 to 4.5 that an add-on like this might use.
     REMOVED = {"calc_normals", "calc_normals_split", "use_auto_smooth", "auto_smooth_angle", "create_normals_split",
                "free_normals_split", "face_maps", "vertex_colors", "bone_groups", "bone_group", "layers_protected",
                "annotation_active", "id_root", "load_on_startup", "context_override", "sculpt_vertex_colors"}

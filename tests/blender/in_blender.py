@@ -1,7 +1,7 @@
 """blender --background --factory-startup --python in_blender.py -- CHECK RESULT [ARGUMENT...]
 
-One check of the add-on inside Blender, where it is installed; what was found goes to RESULT as JSON. addon_test.py
-judges it. Bakes are read here by their layout, not by the add-on's reader."""
+Runs one check of the installed add-on inside Blender and writes what it found to RESULT as JSON, for addon_test.py to
+judge. Bakes are decoded here, not by the add-on's reader."""
 
 import functools
 import glob
@@ -24,7 +24,7 @@ def samples_of(path):
 
 
 def evaluated(obj, world=False):
-    """The vertices now, flat, in the object's own space or in the world."""
+    """The current vertex positions, in the object's space or in the world."""
     found = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = found.to_mesh()
     places = [found.matrix_world @ vertex.co if world else vertex.co.copy() for vertex in mesh.vertices]
@@ -50,18 +50,18 @@ def frames_of(said):
 
 
 def open_character(path, said):
-    """An imported character, its armature active; placed and scaled as `said` asks."""
+    """Imports a character and makes its armature active; placed and scaled as `said` asks."""
     if bpy.app.background:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-    for obj in list(bpy.data.objects):  # a window would lose its context with its file
+    for obj in list(bpy.data.objects):  # reloading the file would invalidate the window's context
         bpy.data.objects.remove(obj)
     bpy.ops.preferences.addon_enable(module="fascicle")
     scene = bpy.context.scene
     scene.render.fps = int(said.get("fps", 24))
-    # Debian's numpy is too new for the importer's own shading.
+    # Debian's numpy is too new for the importer's default shading.
     bpy.ops.import_scene.gltf(filepath=path, import_shading="SMOOTH")
     for obj in [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.name.startswith("Icosphere")]:
-        bpy.data.objects.remove(obj)  # with which the importer draws bones
+        bpy.data.objects.remove(obj)  # the importer's bone shape
     armature = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE")
     top = armature
     while top.parent:
@@ -96,7 +96,7 @@ def baked_folder(said):
 
 
 def measure_exact(armature, folder, first):
-    """The largest difference of a vertex's floats from the bake's, over all frames; of all objects in their order."""
+    """The largest difference between a vertex's floats and the bake's, over all frames, with objects in order."""
     scene = bpy.context.scene
     samples = samples_of(os.path.join(folder, "surface.pc2"))
     largest = 0.0
@@ -129,7 +129,7 @@ def round_trip(path, said):
     result["objects"] = len(flesh)
     result["modifiers"] = [modifier.type for obj in flesh for modifier in obj.modifiers]
     first, last = frames_of(said)
-    # Where skinning has the body: most of it follows the skeleton alone, where `only` says so.
+    # The skinned positions: with `only`, most of the body just follows the skeleton.
     scene = bpy.context.scene
     meshes = [bpy.data.objects[obj["fascicle_mesh"]] for obj in flesh]
     result["hidden"] = all(obj.hide_viewport and obj.hide_render for obj in meshes)
@@ -143,7 +143,7 @@ def round_trip(path, said):
     apart = sorted((a - b).length / size for now, there in zip(with_flesh, skinned) for a, b in zip(now, there))
     moved = max((a - b).length / size for now in skinned for a, b in zip(now, skinned[0]))
     result.update(median=apart[len(apart) // 2], largest=apart[-1], moved=moved)
-    # Clear leaves what was there before, and nothing else.
+    # Clear removes the flesh and nothing else.
     bpy.context.view_layer.objects.active = armature
     bpy.ops.fascicle.clear()
     result["left"] = [obj.name for obj in bpy.data.objects if obj.get("fascicle_mesh")]
@@ -153,14 +153,14 @@ def round_trip(path, said):
 
 
 def list_of_actions(path, said):
-    """The character's action and a copy of it that lasts half as long, both baked."""
+    """Bakes the character's action and a copy of half the length."""
     armature = open_character(path, said)
     settings = armature.fascicle
     settings.range = "ACTION"
     first = armature.animation_data.action
     other = first.copy()
     other.name = "second"
-    # Both are cut: what is tested is that each has its own range.
+    # Both are shortened; the point is that each has its own range.
     settings.uses_list = True
     for action, last in ((first, 8.0), (other, 5.0)):
         action.use_frame_range = True
@@ -180,7 +180,7 @@ def list_of_actions(path, said):
 
 
 def cancel(path, said):
-    """A long bake is ended in its midst, as the Cancel button does; before it, a short one was whole."""
+    """Cancels a long bake midway, as the Cancel button does, after a short bake has finished."""
     from fascicle import operators
     armature = open_character(path, said)
     assert bpy.ops.fascicle.bake() == {"FINISHED"}
@@ -188,7 +188,7 @@ def cancel(path, said):
     kept = {name: open(os.path.join(folder, name), "rb").read() for name in ("surface.pc2", "manifest.json")}
     kept_files = sorted(os.listdir(said["folder"]))
     objects = sorted(obj.name for obj in bpy.data.objects)
-    # So long that it cannot end by itself before it is cancelled.
+    # Long enough not to finish before it is cancelled.
     bpy.context.scene.frame_end = bpy.context.scene.frame_start + 2000
     armature.fascicle.quality = "final"
     work = operators.Work(bpy.context, armature)
@@ -207,7 +207,7 @@ def cancel(path, said):
 
 
 def press(what):
-    """A button, as a click on it."""
+    """Presses a button."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
@@ -215,8 +215,8 @@ def press(what):
 
 
 def in_window(path, said):
-    """The button in a window: Blender's timer goes on while the program works. Once to the end, then cancelled. Yields
-    seconds to wait, last the result."""
+    """The button in a window, with Blender's timer running while the program works: one bake to the end, one cancelled.
+    Yields seconds to wait, and finally the result."""
     bpy.context.preferences.view.show_splash = False
     armature = open_character(path, said)
     state = bpy.context.window_manager.fascicle
@@ -239,7 +239,7 @@ def in_window(path, said):
 
 
 def refused(path, said):
-    """What each trouble says, and that nothing is left behind."""
+    """The message for each problem, and that nothing is left behind."""
     armature = open_character(path, said)
     preferences = bpy.context.preferences.addons["fascicle"].preferences
     result = {}
@@ -291,7 +291,7 @@ def refused(path, said):
 
 
 def painted(path, said):
-    """Groups and layers of the panel, and what reached the program: the character's file and the manifest."""
+    """Groups and layers from the panel, and what reached the program: the character's file and the manifest."""
     from fascicle import operators, settings as chosen
     armature = open_character(path, said)
     settings = armature.fascicle
@@ -338,7 +338,7 @@ def finish(target, found):
 
 
 def tick(steps, target):
-    """For a check that waits: by Blender's own timer, so that Blender's loop runs in between."""
+    """Runs a check that waits from Blender's timer, so that Blender's loop runs in between."""
     try:
         found = next(steps)
         if not isinstance(found, dict):

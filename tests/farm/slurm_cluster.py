@@ -1,7 +1,6 @@
-"""A Slurm of one node, in a folder of its own: munged, slurmctld and slurmd, started by hand, without accounting.
+"""A one-node Slurm in its own folder: munged, slurmctld and slurmd, started by hand, without accounting.
 
-The programs are Debian's slurm-wlm and munge. Everything but the programs lies in the folder, and stop() ends what
-start() began.
+The programs are Debian's slurm-wlm and munge. Everything else is in the folder, and stop() ends what start() began.
 """
 
 import os
@@ -13,7 +12,7 @@ import time
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol", "squeue", "sinfo", "scancel")
 
-# Two partitions over the one node: what is in `urgent` takes the place of what is in `bakes`, which is queued again.
+# Two partitions on the one node: jobs in `urgent` preempt those in `bakes`, which are requeued.
 CONF = """
 ClusterName=fascicle
 SlurmctldHost={host}
@@ -56,11 +55,12 @@ PartitionName=urgent Nodes=farm MaxTime=INFINITE State=UP PriorityTier=10 Preemp
 
 
 class TooLate(Exception):
-    """What a test waited for did not come: a machine that is busy or slow, and no word about the result."""
+    """An event that a test waited for did not happen in time: the machine is busy or slow. Says nothing about the
+    result."""
 
 
 def missing():
-    """The programs that are not there."""
+    """The missing programs."""
     paths = os.environ["PATH"] + ":/usr/sbin:/usr/local/sbin"
     return [name for name in PROGRAMS if shutil.which(name, path=paths) is None]
 
@@ -83,7 +83,7 @@ class Cluster:
         self.running = {}
         for name in ("state", "spool"):
             os.makedirs(os.path.join(folder, name))
-        # munged trusts no folder that others may write to.
+        # munged refuses folders that others may write to.
         os.chmod(folder, 0o755)
         with open(self.environment["SLURM_CONF"], "w") as file:
             file.write(CONF.format(folder=folder, host=socket.gethostname(), ports=free_ports(2), cpus=cpus))
@@ -116,7 +116,8 @@ class Cluster:
         self.begin("slurmd", "-D", "-N", "farm")
 
     def restart(self):
-        """Both daemons; tasks go on beside them. The node tells a new controller of itself when it begins."""
+        """Restarts both daemons while tasks continue. slurmd must start last: it registers with a new controller when
+        it starts."""
         self.end("slurmctld")
         self.end("slurmd")
         self.start_controller()
@@ -134,7 +135,7 @@ class Cluster:
             process.wait()
 
     def cancel_all(self):
-        """Also what runs, and waits until it is gone."""
+        """Cancels all jobs, also running ones, and waits until they are gone."""
         self.try_to("scancel", "--user=root")
         end = time.monotonic() + 20
         while time.monotonic() < end and self.try_to("squeue", "--noheader").stdout.strip():
@@ -148,14 +149,14 @@ class Cluster:
         return subprocess.run(command, env=self.environment, capture_output=True, text=True)
 
     def say(self, *command):
-        """What a command prints; its failure is an error."""
+        """Returns a command's output; raises if it fails."""
         done = self.try_to(*command)
         if done.returncode != 0:
             raise RuntimeError(" ".join(command) + ": " + done.stderr.strip())
         return done.stdout
 
     def tasks(self):
-        """{"7_3": "RUNNING", ...}: one entry a task of an array, and one a job."""
+        """{"7_3": "RUNNING", ...}: one entry per array task, and one per job."""
         rows = {}
         for line in self.say("squeue", "--noheader", "--array", "--states=all", "--format=%i %T").splitlines():
             name, state = line.split()
@@ -163,7 +164,7 @@ class Cluster:
         return rows
 
     def hurry(self):
-        """Slurm has a requeued job wait for two minutes; a test does not."""
+        """Slurm delays a requeued job by two minutes; this removes the delay."""
         for line in self.say("squeue", "--noheader", "--array", "--states=PENDING", "--format=%i %r").splitlines():
             name, reason = line.split(maxsplit=1)
             if reason == "BeginTime":

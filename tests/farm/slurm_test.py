@@ -1,9 +1,9 @@
-"""A batch on a real Slurm of one node is the batch that `fascicle batch` bakes unbroken: every file's bytes.
+"""A batch on a real one-node Slurm gives the same bytes in every file as an undisturbed `fascicle batch`.
 
-On the way tasks are killed, requeued and preempted, the node is drained, and Slurm's daemons are restarted.
-FASCICLE_PROGRAM names the program. Without Slurm the test is skipped, loudly; FASCICLE_REQUIRE_SLURM=1 makes that a
-failure. FASCICLE_FARM_JOBS asks for a longer batch than CI's, FASCICLE_FARM_TRANSCRIPT for a file that keeps what was
-said (`./do farm` sets both).
+Meanwhile tasks are killed, requeued and preempted, the node is drained, and Slurm's daemons are restarted.
+FASCICLE_PROGRAM names the program. Without Slurm the test is skipped, loudly; with FASCICLE_REQUIRE_SLURM=1 it fails.
+FASCICLE_FARM_JOBS sets a longer batch than CI's, FASCICLE_FARM_TRANSCRIPT a file for the transcript (`./do farm` sets
+both).
 """
 
 import json
@@ -22,8 +22,8 @@ PROGRAM = os.environ.get("FASCICLE_PROGRAM", "fascicle")
 JOBS = int(os.environ.get("FASCICLE_FARM_JOBS", "6"))
 IS_LONG = JOBS >= 20
 TRANSCRIPT = os.environ.get("FASCICLE_FARM_TRANSCRIPT")
-# As long as it takes to catch a task at work. On a busy machine it may not be long enough: then a batch of longer bakes
-# is begun afresh. Only what comes too late is tried again; a file with other bytes fails at once.
+# Long enough to catch a task while it runs. If that fails on a busy machine, the test starts over with longer bakes.
+# Only late events are retried; a file with wrong bytes fails at once.
 SECONDS_OF_A_BAKE = (1.5, 4.0, 8.0)
 # Files of a bake that say when and how it ran.
 OF_ITS_RUN = {"manifest.json", "checkpoint"}
@@ -34,7 +34,7 @@ def fascicle(*arguments, **more):
 
 
 class Transcript:
-    """What a person would see who gives these commands, with this machine's folders left out."""
+    """The commands and their output, as a person would see them, without this machine's folders."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -69,15 +69,15 @@ class Slurm(unittest.TestCase):
             self.skipTest(text)
 
     def begin(self, seconds_of_a_bake):
-        """An empty folder, and a Slurm of its own."""
+        """Makes a new folder, and a Slurm in it."""
         self.seconds_of_a_bake = seconds_of_a_bake
         self.folder = tempfile.mkdtemp(prefix="fascicle-slurm-")
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        # A name that a script must quote.
+        # A name that scripts must quote.
         self.home = os.path.join(self.folder, "a farm's $HOME, 50%a")
         os.mkdir(self.home)
         os.environ["FASCICLE_CACHE_DIR"] = os.path.join(self.folder, "cache")
-        # Twice as many tasks at once as most machines of CI have cores: they are small.
+        # Twice as many parallel tasks as most CI machines have cores: they are small.
         self.cluster = slurm_cluster.Cluster(os.path.join(self.folder, "slurm"), cpus=4)
         self.addCleanup(self.cluster.stop)
         self.cluster.start()
@@ -95,8 +95,8 @@ class Slurm(unittest.TestCase):
         self.fail("not even bakes of %.1f s could be caught at work" % SECONDS_OF_A_BAKE[-1])
 
     def write_list(self):
-        """Jobs of about seconds_of_a_bake each. The short form has variations of a bar, which is built at once; the
-        long one a character's clips in variations, of which each builds a body."""
+        """Writes jobs of about seconds_of_a_bake each. The short form has variations of a bar, which builds at once;
+        the long one variations of a character's clips, each of which builds a body."""
         self.list = os.path.join(self.home, "jobs.toml")
         text = 'output = "bakes"\nformat = ["pc2"]\n\n'
         if IS_LONG:
@@ -112,8 +112,8 @@ class Slurm(unittest.TestCase):
             file.write(text)
 
     def pace(self):
-        """How many times a bake of 8 s of the scene fits into seconds_of_a_bake, by the faster of two: a first run
-        reads the program from the disk, and bakes must be long enough to be caught at work."""
+        """How many times a bake of 8 s of the scene fits into seconds_of_a_bake, by the faster of two runs: the first
+        reads the program from disk, and bakes must be long enough to be caught while running."""
         seconds = []
         for name in ("first", "second"):
             begin = time.monotonic()
@@ -129,7 +129,7 @@ class Slurm(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def files(self, folder):
-        """{path below the folder: bytes} of all bakes."""
+        """{relative path: bytes} of all bakes."""
         found = {}
         for parent, folders, names in os.walk(folder):
             folders[:] = [name for name in folders if not name.startswith(".")]
@@ -170,7 +170,7 @@ class Slurm(unittest.TestCase):
         return self.running(array)
 
     def bakes_at_work(self):
-        """{job: process of `batch --job`} of those that have written a manifest."""
+        """{job: PID of `batch --job`} of running bakes that have written a manifest."""
         found = {}
         folder = os.path.join(self.home, "bakes", ".outcomes")
         for name in sorted(os.listdir(folder)) if os.path.isdir(folder) else []:
@@ -197,7 +197,7 @@ class Slurm(unittest.TestCase):
             return [line.split(",") for line in file.read().split()]
 
     def task_at_work(self, array, other_than=()):
-        """A task whose bake has begun: its name, and the process of `batch --job`."""
+        """A task whose bake has begun: (name, PID of `batch --job`)."""
         tasks = self.jobs_of_tasks()
         found = []
 
@@ -213,7 +213,7 @@ class Slurm(unittest.TestCase):
         return found[0]
 
     def kill_bake(self, array, other_than=()):
-        """SIGKILL to a task's program and to the bake under it, as where memory runs out; the task's jobs."""
+        """Sends SIGKILL to a task's program and its bake, as when memory runs out; returns the task's jobs."""
         task, process = self.task_at_work(array, other_than)
         try:
             with open("/proc/%d/task/%d/children" % (process, process)) as file:
@@ -229,7 +229,7 @@ class Slurm(unittest.TestCase):
         return int(text.partition(" Restarts=")[2].split()[0])
 
     def warn(self, array):
-        """What Slurm sends before a task's time limit, to its shell alone; the task."""
+        """Sends what Slurm sends before a task's time limit, only to its shell; returns the task."""
         task, process = self.task_at_work(array)
         before = self.restarts(task)
         try:
@@ -286,7 +286,8 @@ class Slurm(unittest.TestCase):
 
         ended = self.wait_for_end(merge)
         if ended == "COMPLETED" and all(row["status"] == "done" for row in self.rows_of_bakes().values()):
-            # All was written when the kill came, which nobody could tell beforehand; it must be right all the same.
+            # The kill came after everything was written, which cannot be known in advance; the result must be right all
+            # the same.
             self.hold_all()
             raise slurm_cluster.TooLate("the bakes of %s were over before they were killed" % " and ".join(killed))
         self.assertEqual(ended, "FAILED", "a bake was killed, and the merge did not say so")
@@ -307,7 +308,7 @@ class Slurm(unittest.TestCase):
 
     @unittest.skipUnless(IS_LONG, "Slurm's shortest time limit is a minute: ./do farm")
     def test_a_bake_outlasts_its_time_limit(self):
-        """One bake that is warned 50 s before the end of each minute it is given, by Slurm itself."""
+        """One bake, warned by Slurm itself 50 s before the end of each minute that it is given."""
         self.begin(SECONDS_OF_A_BAKE[0])
         self.list = os.path.join(self.home, "jobs.toml")
         with open(self.list, "w") as file:

@@ -1,5 +1,4 @@
-// Characters made in code: their skins, their weights, and clips that keep to the ground, to gravity and to
-// what joints can do.
+// Generated characters: their skins, weights, and clips that respect the ground, gravity and joint limits.
 #include "host/made/made_character.h"
 
 #include <algorithm>
@@ -44,7 +43,8 @@ TEST_P(MadeCharacters, HaveAClosedSkinThatFacesOutwards) {
     EXPECT_TRUE(sides.count({side.second, side.first}));
   }
   EXPECT_EQ(used.size(), skin.vertices.size());
-  // One sphere: no handle, no fused limbs, and the triangles around each vertex make one fan.
+  // Topologically a sphere, without handles or fused limbs, and the triangles around each vertex form one
+  // fan.
   EXPECT_EQ(skin.vertices.size() + skin.triangles.size() - sides.size() / 2, 2u);
   std::vector<std::map<std::uint32_t, std::uint32_t>> fan(skin.vertices.size());
   for (const auto& t : skin.triangles)
@@ -73,7 +73,7 @@ TEST_P(MadeCharacters, HaveEvenTriangles) {
     least_quality = std::min(least_quality, 2.0 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / squares);
   }
   std::sort(edges.begin(), edges.end());
-  // What polygonise promises.
+  // The guarantees of polygonise.
   EXPECT_LT(edges[edges.size() * 99 / 100], 2.5 * edges[edges.size() / 100]);
   // 1 is equilateral; a needle of 10 to 1 has 0.17.
   EXPECT_GT(least_quality, 0.15);
@@ -96,7 +96,7 @@ TEST_P(MadeCharacters, HaveWeightsThatSumToOne) {
   EXPECT_EQ(used.size(), character_.skeleton.size()) << "a joint that leads no flesh";
 }
 
-// Neighbours on the skin follow nearly the same joints: a jump would be a crease.
+// Neighbours on the skin have similar weights: a jump would be a crease.
 TEST_P(MadeCharacters, HaveWeightsThatChangeSmoothly) {
   std::vector<std::map<std::uint32_t, double>> weight(character_.weights.size());
   for (std::size_t i = 0; i < weight.size(); ++i)
@@ -109,7 +109,7 @@ TEST_P(MadeCharacters, HaveWeightsThatChangeSmoothly) {
       for (const auto& [joint, w] : a) step += std::max(0.0, w - (b.count(joint) ? b.at(joint) : 0.0));
       largest = std::max(largest, step);
     }
-  // Elbows and wrists change over from one joint to the next within three edges.
+  // Elbows and wrists blend from one joint to the next within three edges.
   EXPECT_LT(largest, 0.5);
 }
 
@@ -200,20 +200,20 @@ TEST_F(BearJump, FeetDoNotSlide) {
     EXPECT_LT(most, bound) << name << " between " << from << " and " << to << " s";
   };
   for (const std::string side : {"_L", "_R"}) {
-    // Between two keys a leg's joints turn at a constant rate and the hips move along a line: at most half a
-    // millimetre off the place that holds at the keys.
+    // Between two keys a leg's joints rotate at a constant rate and the hips move along a line: the foot is
+    // at most half a millimetre off its place at the keys.
     still("toe" + side, 0.0, made::jump_take_off, 5e-4);
     still("toe" + side, end_of_flight, bear_.clips[0].duration, 5e-4);
     still("foot" + side, 0.0, 0.85, 5e-4);
     still("foot" + side, end_of_flight + 0.08, bear_.clips[0].duration, 5e-4);
   }
-  // Nothing goes through the floor: soles are rounded by skinning alone.
+  // Nothing goes through the floor; only skinning rounds the soles.
   for (double t = 0.0; t < bear_.clips[0].duration; t += 0.05)
     for (const Vector3d& p : skin(t)) EXPECT_GT(p.y(), -0.012) << t;
 }
 
-// The middle of the volume that the skin encloses is what falls. The clip counts each joint's flesh as rigid,
-// skinning bends it: 8 mm of a flight of 40 cm.
+// The centre of the skin's volume falls along a parabola. The clip treats each joint's flesh as rigid, but
+// skinning bends it: 8 mm in a flight of 40 cm.
 TEST_F(BearJump, FliesAlongAParabola) {
   const auto middle = [&](double time) {
     const std::vector<Vector3d> p = skin(time);
@@ -259,14 +259,14 @@ TEST_F(BearJump, BendsItsJointsAsFarAsJointsGo) {
       EXPECT_GT(knee, 3.0) << time << ": a leg that is straight cannot reach";
       EXPECT_LT(hip, 125.0) << time;
       EXPECT_LT(elbow, 145.0) << time;
-      // 20 degrees up, 50 down, from the foot's angle of rest.
+      // 20 degrees up, 50 down, from the foot's rest angle.
       EXPECT_GT(ankle, 10.0) << time;
       EXPECT_LT(ankle, 100.0) << time;
-      // A knee bends forwards and outwards, never in.
+      // Knees bend forwards and outwards, never inwards.
       EXPECT_GT((side == "_L" ? 1.0 : -1.0) * at[joint("shin" + side)].x(), 0.08) << time;
       now.insert(now.end(), {knee, hip, ankle, elbow});
     }
-    // 1,500 degrees a second is a fast kick.
+    // 1,500 degrees per second is a fast kick.
     for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT(std::abs(now[i] - before[i]), 12.5) << time;
     before = now;
   }
@@ -279,7 +279,7 @@ TEST_F(BearJump, IsTheSameLeftAndRight) {
     for (const std::string name : {"hand", "forearm", "shin", "foot", "toe"}) {
       Vector3d right = at[joint(name + "_R")];
       right.x() = -right.x();
-      // The left's flesh is blended in before the right's, which leaves them some grams apart.
+      // Flesh of the left is blended in before the right's, which makes them differ by some grams.
       EXPECT_LT((at[joint(name + "_L")] - right).norm(), 1e-4) << name << " " << t;
     }
   }
@@ -296,7 +296,7 @@ TEST(ArmCurl, ReachesItsAnglesFromBothBindPoses) {
   };
   for (const auto& [name, bind] : {std::pair("arm", 0.0), std::pair("arm-bent", 46.0)}) {
     const rig::Character arm = made::make_character(name);
-    // acos near 1 halves the digits.
+    // acos near 1 halves the number of digits.
     EXPECT_NEAR(elbow_of(arm, nullptr, 0.0), bind, 1e-5) << name;
     EXPECT_NEAR(elbow_of(arm, &arm.clips.at(0), 0.0), 0.0, 1e-5) << name;
     EXPECT_NEAR(elbow_of(arm, &arm.clips.at(0), 2.0), 160.0, 1e-5) << name;
@@ -316,7 +316,7 @@ TEST(MadeMotion, CurvesStayBetweenTheirKeys) {
   EXPECT_EQ(curve.at(9.0), -1.0);
 }
 
-// Against the derivatives it was given, by differences.
+// Compared with its given derivatives, by finite differences.
 TEST(MadeMotion, MotionHasItsKeysVelocityAndAcceleration) {
   const std::vector<made::MotionKey> keys{{0.0, 1.0, -2.0, 3.0}, {0.7, 0.5, 4.0, -9.0}, {1.0, 2.0, 0.0, 1.0}};
   constexpr double d = 1e-4;
@@ -325,7 +325,7 @@ TEST(MadeMotion, MotionHasItsKeysVelocityAndAcceleration) {
     const double before = made::motion_at(keys, key.time - d), at = made::motion_at(keys, key.time),
                  after = made::motion_at(keys, key.time + d);
     EXPECT_NEAR(at, key.place, 1e-12);
-    // Third derivatives of a few hundred times d squared.
+    // Third derivatives of a few hundred, times d squared.
     EXPECT_NEAR((after - before) / (2 * d), key.velocity, 1e-5);
     EXPECT_NEAR((after - 2 * at + before) / (d * d), key.acceleration, 0.1);
   }
@@ -344,8 +344,8 @@ TEST(BearBump, ThrowsTheBellyForwardAndComesBackOnItsFeet) {
   EXPECT_LT(place("spine", 0.55).z(), place("spine", 0.0).z() - 0.03) << "it draws back";
   EXPECT_GT(place("spine", 1.05).z(), place("spine", 0.0).z() + made::bump_reach) << "hips and belly first";
   EXPECT_LT((place("hips", clip.duration) - place("hips", 0.0)).norm(), 1e-3) << "and it recovers";
-  // At the keys, 120 a second, the legs reach the feet's places up to rounding; halfway between them, where
-  // joints turn at a constant rate, they are off by a millimetre where the heels lift.
+  // At the keys, 120 per second, the feet reach their targets up to rounding. Halfway between keys joints
+  // rotate at a constant rate, and the feet are off by a millimetre where the heels lift.
   for (const std::string toe : {"toe_L", "toe_R"})
     for (int k = 0; k <= 2 * 264; ++k)
       ASSERT_LT((place(toe, k / 240.0) - place(toe, 0.0)).norm(), k % 2 == 0 ? 1e-9 : 1e-3)

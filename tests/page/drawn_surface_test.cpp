@@ -12,7 +12,7 @@
 namespace fascicle::page {
 namespace {
 
-// Two tetrahedra on one side, of two layers.
+// Two tetrahedra of two layers that share a face.
 model::Model two_tetrahedra() {
   model::Model model;
   model.vertex_count = 5;
@@ -26,7 +26,7 @@ model::Model two_tetrahedra() {
 TEST(DrawnSurface, OfTetrahedraIsTheirOutside) {
   const DrawnSurface surface = drawn_surface(two_tetrahedra());
   EXPECT_TRUE(surface.is_tetrahedra);
-  ASSERT_EQ(surface.triangles.size(), 6u);  // 8 sides less the shared one, twice
+  ASSERT_EQ(surface.triangles.size(), 6u);  // 8 faces minus the shared one, counted twice
   for (const auto& triangle : surface.triangles) {
     std::set<std::uint32_t> corners, normals;
     for (const std::uint32_t vertex : triangle) {

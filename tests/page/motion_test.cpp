@@ -1,4 +1,4 @@
-// Motion comes back as it was put in, but for the rounding that is stated.
+// Motion decodes to what was encoded, up to the stated rounding.
 #include "host/page/motion.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ TEST(RangeEncoder, BitsOfAnyLikelihoodComeBack) {
     tests::RangeDecoder from(bytes);
     std::uint64_t of_zero = 2048;
     for (std::size_t k = 0; k < bits.size(); ++k) ASSERT_EQ(from.bit(of_zero), bits[k]) << share << ' ' << k;
-    // What is always the same costs next to nothing, what is even one bit: 5 bytes end the stream.
+    // Constant bits cost almost nothing, even odds cost one bit each; 5 bytes end the stream.
     if (share == 0 || share == 4096) {
       EXPECT_LT(bytes.size(), 60u);
     }
@@ -54,7 +54,7 @@ TEST(RangeEncoder, BitsOfAnyLikelihoodComeBack) {
   }
 }
 
-// A carry runs through bytes that were held back: low is driven to just below 2^32 and over it.
+// A carry propagates through pending bytes: low is driven to just below 2^32 and past it.
 TEST(RangeEncoder, CarriesRunThroughManyBytes) {
   for (int tail = 0; tail < 64; ++tail) {
     RangeEncoder to;
@@ -100,7 +100,7 @@ TEST(Grid, NoPointIsFurtherThanItSays) {
       largest = std::max(largest, std::sqrt(square));
     }
     EXPECT_LE(largest, grid.error() * (1.0 + 1e-9));
-    // It is a bound that is nearly met, not one that holds because it is far away.
+    // The bound is tight.
     EXPECT_GT(largest, 0.8 * grid.error());
   }
 }
@@ -114,7 +114,7 @@ TEST(Grid, ACoarserOneIsTakenAndSaidWhereABodyGoesFar) {
 
 TEST(Walk, IsEveryPointOnceWithNeighboursBefore) {
   Triangles triangles = sheet(9);
-  triangles.push_back({81, 82, 83});  // a piece apart; point 84 is in no triangle
+  triangles.push_back({81, 82, 83});  // a separate piece; point 84 is in no triangle
   const std::vector<std::uint32_t> order = walk(85, triangles);
   std::vector<std::uint32_t> sorted = order;
   std::sort(sorted.begin(), sorted.end());
@@ -126,7 +126,7 @@ TEST(Walk, IsEveryPointOnceWithNeighboursBefore) {
   const Neighbours neighbours = lower_neighbours(85, triangles);
   int without = 0;
   for (std::uint32_t i = 0; i < 85; ++i) without += neighbours.offset[i] == neighbours.offset[i + 1] ? 1 : 0;
-  EXPECT_EQ(without, 3);  // the first of each piece, and the lone point
+  EXPECT_EQ(without, 3);  // the first of each piece, and the isolated point
 }
 
 struct Coded {
@@ -134,7 +134,7 @@ struct Coded {
   std::vector<std::vector<Cell>> ghost, flesh;
 };
 
-// A sheet that swings, and flesh on it that trails; `noise` cells of chance.
+// A swinging sheet with trailing flesh; `noise` is the range of added noise in cells.
 Coded coded_sheet(std::uint32_t n, std::size_t frames, int noise) {
   Coded coded;
   std::mt19937 random(4);
@@ -162,7 +162,7 @@ Coded coded_sheet(std::uint32_t n, std::size_t frames, int noise) {
   return coded;
 }
 
-// The description's decoder, without its arrays.
+// Decodes one set of points by the format's description.
 std::vector<Cell> decoded(tests::RangeDecoder& from, tests::NumberDecoder& numbers,
                           const Neighbours& neighbours, std::vector<std::vector<Cell>>& past,
                           std::vector<Cell>& before, const std::vector<Cell>& base) {
@@ -217,13 +217,13 @@ TEST(Motion, ComesBackToTheLastCell) {
   }
 }
 
-// What the coder is for: smooth motion takes a small part of its 12 bytes a point and set.
+// The purpose of the coder: smooth motion takes a small part of 12 bytes per point and set.
 TEST(Motion, IsSmallWhereItIsSmooth) {
   constexpr std::size_t frames = 60;
   constexpr std::uint32_t n = 40;
   const double plain = 2.0 * 12.0 * n * n * frames;
   EXPECT_LT(static_cast<double>(coded_sheet(n, frames, 0).bytes.size()), 0.06 * plain);
-  // The control: chance cannot be foreseen, and takes its own bits.
+  // The control: noise is incompressible.
   EXPECT_GT(static_cast<double>(coded_sheet(n, frames, 1 << 16).bytes.size()), 0.08 * plain);
 }
 

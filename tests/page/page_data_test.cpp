@@ -1,4 +1,4 @@
-// What goes into a page beside the motion: text, curves.
+// Page data other than motion: text and curves.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The vectors of RFC 4648, section 10.
+// The test vectors of RFC 4648, section 10.
 TEST(Base64, IsTheRfcs) {
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");

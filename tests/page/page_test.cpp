@@ -1,4 +1,4 @@
-// Pages are well-formed, escape what they are given, and can be read: colours by WCAG's own formula.
+// Pages are well-formed, escape their input, and are legible: contrast by WCAG's own formula.
 #include "host/page/page.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ TEST(Writer, WhatGoesInComesOutAsTextAndNothingElse) {
   const pugi::xml_document document = parsed(text);
   const pugi::xml_node paragraph = document.child("p");
   EXPECT_EQ(std::distance(paragraph.begin(), paragraph.end()), 1);
-  // What cannot be shown is written as it is called; the rest comes back as it was.
+  // Unprintable characters are written as escapes; the rest is unchanged.
   const std::string shown = "<script>a()</script> & \"q\" 'r' ]]> -->\\x01\\x1b[31m\\u202e\\xff {{x}}";
   EXPECT_EQ(paragraph.child_value(), shown);
   EXPECT_EQ(std::string(paragraph.attribute("title").value()), shown);
@@ -82,7 +82,7 @@ TEST(Page, IsWellFormedAndHasNothingThatRuns) {
   const std::string policy = document.select_node("//meta[@http-equiv]").node().attribute("content").value();
   EXPECT_TRUE(policy.starts_with("default-src 'none';")) << policy;
   EXPECT_EQ(policy.find("script"), std::string::npos);
-  // What base64 of coreutils writes of these 13 bytes.
+  // Output of coreutils' base64 for these 13 bytes.
   EXPECT_NE(text.find("bm90IGEgcGljdHVyZQ=="), std::string::npos);
 }
 
@@ -99,7 +99,7 @@ TEST(Page, EveryIdIsOneAndEveryLinkLeadsToIt) {
   EXPECT_TRUE(document.select_nodes("//svg[not(@aria-label) and not(@aria-hidden)]").empty());
 }
 
-// WCAG 2.1: relative luminance of sRGB, and (L1 + 0.05) / (L2 + 0.05).
+// WCAG 2.1: relative luminance of sRGB, and contrast (L1 + 0.05) / (L2 + 0.05).
 double luminance(const std::string& hex) {
   double sum = 0.0;
   const double shares[]{0.2126, 0.7152, 0.0722};
@@ -114,7 +114,7 @@ double contrast(const std::string& a, const std::string& b) {
   return (std::max(x, y) + 0.05) / (std::min(x, y) + 0.05);
 }
 
-// The first set of colours is the light one, the second the dark one.
+// The first set of colours is the light scheme, the second the dark one.
 std::vector<std::map<std::string, std::string>> schemes() {
   static const std::regex colour("--([a-z0-9]+): (#[0-9a-f]{6})");
   const std::string style = page::page_style;
@@ -127,8 +127,8 @@ std::vector<std::map<std::string, std::string>> schemes() {
 }
 
 TEST(Style, ColoursCanBeReadInBothSchemes) {
-  EXPECT_NEAR(contrast("#000000", "#ffffff"), 21.0, 1e-9);  // the formula's own largest
-  EXPECT_LT(contrast("#888888", "#ffffff"), 4.5);           // a control that is too faint
+  EXPECT_NEAR(contrast("#000000", "#ffffff"), 21.0, 1e-9);  // the formula's maximum
+  EXPECT_LT(contrast("#888888", "#ffffff"), 4.5);           // the control: too faint
   const auto all = schemes();
   ASSERT_EQ(all.size(), 2u);
   for (const auto& colours : all) {
@@ -162,7 +162,7 @@ pugi::xml_document drawn(const page::Plot& plot) {
   return parsed(std::move(writer).finish());
 }
 
-// The highest value is drawn highest, one twice as far from 0 twice as far from the axis.
+// The highest value is drawn highest, and a value twice as far from 0 twice as far from the axis.
 TEST(Plot, PutsValuesWhereTheirAxisSays) {
   const pugi::xml_document document = drawn({.title = "t",
                                              .x_name = "x",
@@ -177,7 +177,7 @@ TEST(Plot, PutsValuesWhereTheirAxisSays) {
   ASSERT_EQ(std::sscanf(path.c_str(), "M%lf %lfL%lf %lfL%lf %lf", &x[0], &y[0], &x[1], &y[1], &x[2], &y[2]),
             6)
       << path;
-  // Places have two digits after the point.
+  // Coordinates have two decimals.
   EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.011);
   EXPECT_NEAR(y[0] - y[1], 2.0 * (y[0] - y[2]), 0.021);
   EXPECT_GT(y[0], y[1]);
@@ -208,7 +208,7 @@ TEST(Plot, GapsNothingAndLongSeries) {
                                         .from_zero = true});
   const std::string broken = gap.select_node("//path[contains(@class,'line')]").node().attribute("d").value();
   EXPECT_EQ(std::count(broken.begin(), broken.end(), 'M'), 2) << broken;
-  // One value of many sticks out; it is still the highest point that is drawn.
+  // An outlier among many values is still the highest drawn point.
   std::vector<double> x, spike;
   for (int k = 0; k < 100000; ++k) {
     x.push_back(k);

@@ -1,5 +1,5 @@
-// Reads what RangeEncoder and NumberEncoder write, from docs/formats.md; the tables are maps, and the
-// arithmetic is in 64 bits.
+// Decodes the output of RangeEncoder and NumberEncoder, written from docs/formats.md; with maps for tables
+// and 64-bit arithmetic.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class RangeDecoder {
   explicit RangeDecoder(std::string bytes);
   bool bit(std::uint64_t& of_zero);
   std::uint64_t plain(unsigned count);
-  // Bytes that were not read yet.
+  // Unread bytes.
   std::size_t left_over() const { return bytes_.size() - at_; }
 
  private:

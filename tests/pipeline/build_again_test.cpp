@@ -1,4 +1,4 @@
-// A scene that is built again and again with other keys: what is kept in between changes no bit and no word.
+// Rebuilding a scene with changed keys: cached parts change no bit of the model and no word of the report.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -35,7 +35,7 @@ class BuildAgainTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(options_.cache); }
 
-  // One after the other with one memory, each beside a build that knows of none.
+  // Builds all variants in turn with one cache, each compared with a build without it.
   void expect_same(const std::string& name, const std::vector<std::vector<std::string>>& changes) {
     build::BuildMemory memory;
     for (const std::vector<std::string>& set : changes) {
@@ -47,7 +47,7 @@ class BuildAgainTest : public testing::Test {
       const pipeline::Built again = pipeline::build_scene_again(scene, options_, memory);
       const std::string what = name + " " + (set.empty() ? "" : set.back());
       EXPECT_EQ(bake::model_hash(again.model), bake::model_hash(model)) << what;
-      // Probes are in no hash.
+      // Hashes do not cover probes.
       ASSERT_EQ(again.model.probes.size(), model.probes.size());
       for (std::size_t k = 0; k < model.probes.size(); ++k)
         EXPECT_EQ(again.model.probes[k].vertices, model.probes[k].vertices) << what;
@@ -60,7 +60,7 @@ class BuildAgainTest : public testing::Test {
   build::BuildOptions options_;
 };
 
-// Each change by itself and back again: whatever is kept, it must be of the scene at hand.
+// Each change separately, and back again: cached parts must belong to the current scene.
 TEST_F(BuildAgainTest, ABarHasTheSameBits) {
   expect_same("bar-layers-iii", {{},
                                  {"layers.fat.alpha=0.2"},

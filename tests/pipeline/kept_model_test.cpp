@@ -1,4 +1,4 @@
-// Models that are kept: what they are found by, and that they are what would be built.
+// Cached models: their keys, and that they equal what would be built.
 #include "host/pipeline/kept_model.h"
 
 #include <filesystem>
@@ -57,7 +57,7 @@ std::string bytes_of(const build::Report& report) {
   return bytes;
 }
 
-// All that a build says, whenever it was built.
+// The report of a build, without what depends on when it ran.
 std::string words_of(build::Report report) {
   report.seconds = report.fibres.seconds = 0.0;
   report.fill.cage.wrap_seconds = report.fill.cage.fill_seconds = report.fill.cage.cut_seconds = 0.0;
@@ -65,7 +65,7 @@ std::string words_of(build::Report report) {
   return bytes_of(report);
 }
 
-// The made bear, coarser than in its scenes.
+// The generated bear, coarser than in its scenes.
 const std::vector<std::string> coarse_bear{"character.resolution=0.12"};
 
 TEST_F(KeptModelTest, IsWhatWouldBeBuilt) {
@@ -86,7 +86,7 @@ TEST_F(KeptModelTest, IsWhatWouldBeBuilt) {
   EXPECT_EQ(kept.steps.reason, built.steps.reason);
 }
 
-// What may differ between scenes of one key changes no model.
+// Settings that are not part of the key do not change the model.
 TEST_F(KeptModelTest, IsTheSameForAllClipsRatesAndTimes) {
   const std::vector<std::vector<std::string>> others{
       {"character.clip=\"bump\""},
@@ -116,7 +116,7 @@ TEST_F(KeptModelTest, IsTheSameForAllClipsRatesAndTimes) {
   }
 }
 
-// Each of these changes the model, or could.
+// Each of these changes the model, or might.
 TEST_F(KeptModelTest, AnotherModelHasAnotherKey) {
   const std::vector<std::string> sets{"layers.fat.youngs_modulus=60000.0",
                                       "layers.fat.damping=11.0",
@@ -138,7 +138,7 @@ TEST_F(KeptModelTest, AnotherModelHasAnotherKey) {
   }
 }
 
-// A file that is saved over is another one, whatever it is called.
+// The key depends on the content of a file, not on its name.
 TEST_F(KeptModelTest, AnotherContentHasAnotherKey) {
   fs::create_directories(options_.cache);
   const fs::path mesh = options_.cache / "tetrahedron.obj";
@@ -152,13 +152,14 @@ TEST_F(KeptModelTest, AnotherContentHasAnotherKey) {
   EXPECT_EQ(key_with_top_at("1.0"), low);
 }
 
-// Paint of one name and another content makes another body, and each is found again as it would be built.
+// Paint files with the same name and different content make different bodies, and each is found as it would
+// be built.
 TEST_F(KeptModelTest, AnotherPaintIsAnotherModel) {
   fs::create_directories(options_.cache);
   const fs::path file = options_.cache / "bear.paint.json";
   const rig::Character bear = made::make_character("bear");
   const std::vector<std::string> set{"character.resolution=0.12", "character.paint=" + file.string()};
-  // Of one whole side, as far as one of the numbers says.
+  // Paints one side of the bear with this value.
   const auto scene_painted = [&](const char* name, float value, bool left) {
     rig::Paint paint{rig::surface_hash(bear.surface), bear.surface.vertices.size(), {{name, {}, {}}}};
     for (std::uint32_t v = 0; v < bear.surface.vertices.size(); ++v) {
@@ -188,7 +189,7 @@ TEST_F(KeptModelTest, AnotherPaintIsAnotherModel) {
     }
 }
 
-// A muscle may be told by the clip, and where several characters are joined, so are their clips.
+// The key includes the clip if a muscle can depend on it or several characters are joined.
 TEST_F(KeptModelTest, TheClipCountsWhereTheModelMaySeeIt) {
   EXPECT_NE(key_of("arm"), key_of("arm", {"character.clip=0"}));
   EXPECT_NE(key_of("two-bears"), key_of("two-bears", {"character.left.clip=\"jump\""}));
@@ -207,7 +208,7 @@ TEST_F(KeptModelTest, NothingIsKeptWithoutACacheOrOfAGeometryWithoutAName) {
   EXPECT_FALSE(kept_model_key(scene, options_));
 }
 
-// Bytes with a right checksum may still be foreign, cut or made to harm: they are not believed, at any
+// Bytes with a correct checksum may still be foreign, truncated or malicious: they are rejected, at any
 // length.
 TEST_F(KeptModelTest, IsNotBelievedWhereItIsNotWhole) {
   const scene::Scene scene = scene_of("bar-hang-none", {});
@@ -238,7 +239,7 @@ TEST_F(KeptModelTest, IsNotBelievedWhereItIsNotWhole) {
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 0x40);
     cache.put(key, changed);
-    // A changed report may still be one; the model has a checksum of its own.
+    // A changed report may still be valid; the model has its own checksum.
     const auto found = find_kept_model(key, options_);
     if (!found) continue;
     EXPECT_EQ(bake::model_hash(found->model), bake::model_hash(model)) << at;

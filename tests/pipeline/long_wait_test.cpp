@@ -1,4 +1,4 @@
-// Where a build or what comes before frame 0 takes long, it is said.
+// A long build or lead-in reports that it is running.
 #include "host/pipeline/long_wait.h"
 
 #include <chrono>
@@ -33,11 +33,11 @@ TEST(LongWaitTest, SaysItWhenItIsDueAndEverMoreRarely) {
   }
   ASSERT_FALSE(said.empty());
   EXPECT_EQ(said[0].rfind("still at it: ", 0), 0u) << said[0];
-  // 20, 40, 80, 160 and 320 ms, or fewer where the machine is busy.
+  // 20, 40, 80, 160 and 320 ms, or fewer if the machine is busy.
   EXPECT_LE(said.size(), 5u);
 }
 
-// A mesher that takes longer than a user waits without a word, and then is none.
+// A mesher that outlasts the time until the first message, and then fails.
 TEST(LongWaitTest, ABuildThatTakesLongSaysSo) {
   const fs::path mesher = fs::temp_directory_path() / ("fascicle-slow-mesher-" + std::to_string(::getpid()));
   std::ofstream(mesher) << "#!/bin/sh\nsleep 6\nexit 9\n";
@@ -53,7 +53,7 @@ TEST(LongWaitTest, ABuildThatTakesLongSaysSo) {
   EXPECT_NE(said.find("still building the body: "), std::string::npos) << said;
 }
 
-// Frames before frame 0 of which one takes longer than that.
+// A lead-in of which one frame takes longer than that.
 TEST(LongWaitTest, ALongLeadInSaysSo) {
   const base::TemporaryFolder folder;
   scene::SceneOverrides overrides;

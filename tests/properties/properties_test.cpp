@@ -1,6 +1,6 @@
-// Properties over random bodies and parameters (rapidcheck): what is built and stepped stays finite, or is
-// refused by a message that names what is wrong; and what is stepped has the same bits on Vulkan.
-// RC_PARAMS="max_success=10000" makes a soak of it.
+// Properties of random bodies and parameters (rapidcheck): what is built and stepped stays finite, or is
+// refused with a message that names the cause; and stepping gives the same bits on Vulkan.
+// RC_PARAMS="max_success=10000" makes it a soak test.
 #include <bit>
 #include <cmath>
 #include <iostream>
@@ -33,7 +33,7 @@ double number_in(double low, double high) {
   return low + (high - low) * (*rc::gen::inRange<int>(0, 1000001)) / 1e6;
 }
 
-// Small, large and edge values alike.
+// Small, large and edge values.
 double fraction() {
   return *rc::gen::element(0.0, 1e-6, 0.3, 0.5, 0.999, 1.0, number_in(0.0, 1.0));
 }
@@ -86,8 +86,8 @@ Scene random_scene(scene::Geometry geometry) {
   return scene;
 }
 
-// A refusal starts with where the scene comes from and then names what is to be changed: vertices or
-// tetrahedra by number, or a key of the scene file.
+// A refusal starts with the scene's source and then names what to change: vertices or tetrahedra by number,
+// or a key of the scene file.
 bool names_what_is_wrong(const std::string& message) {
   static const std::regex named(
       R"(random: (?:.*\b(?:vertex|vertices|tetrahedron) \(?\d|(?:layers|pins|probe|force)\.\w+(?:\.\w+)?: )"
@@ -111,7 +111,7 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
 
 class Properties : public testing::Test {
  protected:
-  // One device for all cases: opening one takes longer than a case.
+  // One device for all cases: opening it takes longer than a case.
   static void SetUpTestSuite() {
     std::string why;
     if (const auto index = usable_device(why))
@@ -128,13 +128,14 @@ class Properties : public testing::Test {
     RecordProperty("built", built_);
     RecordProperty("refused", refused_);
     RecordProperty("compared_with_vulkan", compared_);
-    // A quarter of what is built is compared, or more: of 50, none with a chance of 6e-7.
+    // A quarter of the built bodies are compared; with 50 of them, the chance of no comparison is 6e-7.
     if (device_ && built_ >= 50) {
       EXPECT_GT(compared_, 0);
     }
   }
 
-  // Builds and steps. Anything but finite numbers or a refusal by name fails the property.
+  // Builds and steps a scene. Fails the property unless all numbers are finite or the refusal names the
+  // cause.
   void check(const Scene& scene, const build::BuildOptions& options = {}) {
     build::Report report;
     model::Model model;
@@ -194,7 +195,7 @@ TEST_F(Properties, RandomBarsStayFinite) {
   EXPECT_GT(built_, 50) << "most random bars are good ones";
 }
 
-// Points anywhere, also on top of each other and in one plane; tetrahedra of any four of them.
+// Random points, some coincident or coplanar, and tetrahedra of any four of them.
 TEST_F(Properties, RandomTetrahedraStayFiniteOrAreRefused) {
   EXPECT_TRUE(rc::check("any tetrahedra stay finite or are refused", [&] {
     mesh::TetMesh mesh;
@@ -214,7 +215,7 @@ TEST_F(Properties, RandomTetrahedraStayFiniteOrAreRefused) {
   EXPECT_GT(refused_, 0) << "random numbers are hardly ever a mesh";
 }
 
-// A good mesh of random form: a tetrahedron grown by gluing tetrahedra to its faces.
+// A valid mesh of random shape: tetrahedra glued to faces, one after another.
 mesh::TetMesh grown_mesh() {
   mesh::TetMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -243,7 +244,7 @@ TEST_F(Properties, GrownMeshesStayFinite) {
   EXPECT_GT(built_, 50);
 }
 
-// One or two things wrong with a good mesh, or nothing.
+// A valid mesh with up to two defects.
 TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
   EXPECT_TRUE(rc::check("a damaged mesh stays finite or is refused", [&] {
     mesh::TetMesh mesh = grown_mesh();
@@ -279,8 +280,8 @@ TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
   EXPECT_GT(refused_, 10) << "most damage is not harmless";
 }
 
-// An octahedron, each triangle cut into four twice, its vertices at random distances from the middle: closed,
-// and star-shaped, so it never crosses itself.
+// An octahedron, subdivided twice, its vertices at random distances from the centre: closed and star-shaped,
+// so it never intersects itself.
 mesh::SurfaceMesh random_surface() {
   mesh::SurfaceMesh surface;
   surface.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

@@ -1,4 +1,4 @@
-"""fascicle.bake and its scenes: the program's bits, its words, and who may run meanwhile."""
+"""fascicle.bake and its scenes: the same bits as the program, its messages, and that other threads run meanwhile."""
 
 import ctypes
 import io
@@ -23,7 +23,7 @@ class Bake(InFolder):
         self.assertEqual(result.frames, 6)
         self.assertEqual(result.folder, self.path("python"))
         self.assertTrue(any(name.endswith(".pc2") for name in result.files), result.files)
-        # The control: without the table it is another scene.
+        # The control: without the table it is a different scene.
         other = fascicle.bake("bar-layers-i", self.path("other"), end=0.1, device="cpu")
         self.assertNotEqual(other.position_hash, wanted)
 
@@ -116,7 +116,7 @@ class Bake(InFolder):
 
 
 def ticks_during(work):
-    """How often another Python thread got to run while `work` did, at a thousand times a second."""
+    """How often another Python thread ran during `work`, at up to a thousand times a second."""
     ticks, done, begun = [0], threading.Event(), threading.Event()
 
     def tick():
@@ -139,11 +139,11 @@ def ticks_during(work):
 class Lock(InFolder):
     def test_other_threads_run_during_a_bake(self):
         scene = fascicle.Scene("bar-layers-i", end=2)
-        # Without callbacks into Python nothing but its release lets another thread run. A bake takes a
-        # second; ten ticks leave room for a busy machine.
+        # Without callbacks into Python, other threads run only because the GIL is released. A bake takes a second; ten
+        # ticks allow for a busy machine.
         ticks = ticks_during(lambda: fascicle.bake(scene, self.path("a"), device="cpu", cache="", log=None))
         self.assertGreater(ticks, 10)
-        # The control: a call that keeps the lock for 0.2 s lets nobody run.
+        # The control: a call that holds the GIL for 0.2 s lets no other thread run.
         self.assertLess(ticks_during(lambda: ctypes.PyDLL(None).usleep(200000)), 3)
 
     def test_a_scene_is_baked_by_two_threads_at_once(self):

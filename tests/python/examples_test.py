@@ -1,4 +1,4 @@
-"""The examples run and do what they say, and the page shows them word for word."""
+"""The examples run and do what they state, and the page shows them word for word."""
 
 import os
 import re
@@ -29,7 +29,7 @@ class Examples(InFolder):
             shutil.copy(self.path("arm", "character.glb"), self.path("in", name))
         with open(self.path("in", "b.glb"), "wb") as file:
             file.write(b"glTF")
-        # The broken one is named, and does not stop the others.
+        # The broken one is reported, and does not stop the others.
         first = self.example("bake_folder.py", "in", "out", "0.05", status=1)
         self.assertIn("b.glb: ", first.stderr)
         self.assertEqual(first.stdout.count("3 frames"), 2, first.stdout + first.stderr)
@@ -46,7 +46,7 @@ class Examples(InFolder):
         surface = np.load(self.path("surface.npy"))
         self.assertEqual((surface.shape[0], surface.shape[2]), (12, 3))
         self.assertTrue(np.isfinite(surface).all())
-        # It is turned by up to 0.2: far points go centimetres, and flesh does not stand still when joints do.
+        # It rotates by up to 0.2: far points move centimetres, and flesh lags behind moving joints.
         self.assertGreater(np.abs(surface[5] - surface[0]).max(), 0.01)
         self.assertGreater(np.abs(surface[7] - surface[6]).max(), 1e-6)
 
@@ -69,7 +69,7 @@ class Page(unittest.TestCase):
                 texts.append(file.read())
         self.assertGreaterEqual(len(blocks), 4)
         for block in blocks:
-            if "man.glb" in block:  # of a character that the project does not have; it must be Python
+            if "man.glb" in block:  # uses a character that the project lacks, so only check that it parses
                 compile(block, "page", "exec")
                 continue
             self.assertTrue(any(block in text for text in texts), block)

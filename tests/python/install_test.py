@@ -1,4 +1,4 @@
-"""What is installed serves Python from its prefix, also after the prefix was moved."""
+"""The installed package works from its prefix, also after the prefix was moved."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ class Install(InFolder):
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
         os.rename(self.path("prefix"), self.path("moved"))
         packages = self.path("moved", "lib", "python3", "dist-packages")
-        # Nothing of the build is on the way: neither its package, nor its mesher.
+        # Nothing from the build folder can be found: neither its package nor its mesher.
         environment = {"PYTHONPATH": packages, "PATH": "/usr/bin:/bin", "FASCICLE_CACHE_DIR": self.path("cache")}
         ran = subprocess.run([sys.executable, "-B", "-c", PROGRAM, self.path("a")], capture_output=True, text=True,
                              timeout=300, env=environment, cwd=self.folder)

@@ -1,4 +1,4 @@
-"""Ctrl-C ends a bake within seconds, and what it leaves says what it is."""
+"""Ctrl-C ends a bake within seconds, and its folder is marked as interrupted."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import unittest
 
 from support import InFolder
 
-# A thousand seconds of a bar: far more work than the test waits.
+# A thousand seconds of a bar: far more work than the test waits for.
 PROGRAM = """
 import sys, fascicle
 def told(phase, done, total):
@@ -30,14 +30,14 @@ class Interrupt(InFolder):
         bake.send_signal(signal.SIGINT)
         began = time.monotonic()
         _, errors = bake.communicate(timeout=60)
-        # A frame takes milliseconds; the rest is a busy machine's.
+        # A frame takes milliseconds; the rest allows for a busy machine.
         self.assertLess(time.monotonic() - began, 20)
         self.assertIn("KeyboardInterrupt", errors)
         self.assertEqual(bake.returncode, -signal.SIGINT)
         with open(self.path("a", "manifest.json")) as file:
             manifest = json.load(file)
         self.assertEqual(manifest["status"], "interrupted")
-        # The control: a bake that was not interrupted says so.
+        # The control: an uninterrupted bake is marked as complete.
         subprocess.run([sys.executable, "-c", PROGRAM.replace("1000", "0.1"), self.path("b")], check=True,
                        capture_output=True, timeout=60)
         with open(self.path("b", "manifest.json")) as file:

@@ -35,7 +35,7 @@ class SmallSolver(InFolder):
         self.assertFalse(positions.flags.owndata or positions.flags.writeable)
         self.assertFalse(np.shares_memory(positions, self.solver.velocities))
         self.assertEqual(self.solver.surface.shape, (self.model.surface_vertex_count, 3))
-        # The control: what is in the world is a copy, and the same by the formula. Its rounding is a float's.
+        # The control: world positions are a copy, and match the formula within float rounding.
         world = self.solver.world_positions()
         self.assertFalse(np.shares_memory(world, positions))
         wanted = self.solver.origin + self.solver.unit * positions.astype(np.float64)
@@ -134,7 +134,7 @@ class FlatArrays(InFolder):
         self.assertEqual((arrays["mass"].dtype, arrays["mass"].shape), (np.float64, (45,)))
         self.assertTrue(np.shares_memory(arrays["mass"], model.arrays["mass"]))
         self.assertFalse(arrays["mass"].flags.writeable)
-        # A bar of 0.4 x 0.1 x 0.1 m of 1000 kg/m3 weighs 4 kg; sums of 45 doubles keep twelve digits and more.
+        # A bar of 0.4 x 0.1 x 0.1 m at 1000 kg/m3 weighs 4 kg; sums of 45 doubles have at least twelve correct digits.
         self.assertAlmostEqual(arrays["mass"].sum(), 4.0, delta=1e-9)
         self.assertEqual(arrays["layer.name"], ["flesh"])
         copy = fascicle.Model.of_arrays(arrays)
@@ -190,13 +190,13 @@ class Poses(InFolder):
         surface = np.fromfile(self.path("surface"), np.float32).reshape(-1, 3)
         np.testing.assert_array_equal(solver.world_surface(), surface)
 
-        # One pose for each substep; the last frame's own, so that the end is the same place.
+        # One pose for each substep, ending at the frame's own.
         many = np.stack([pose] * model.substeps)
         solver.step_pose(many)
         for wrong in (rest[1:], rest.reshape(-1), rest[None, None], np.empty((0,) + rest.shape), None):
             with self.assertRaisesRegex(ValueError, "joints"):
                 solver.step_pose(wrong)
-        # Other kinds of numbers are taken too.
+        # Other number types are accepted too.
         solver.step_pose(pose.astype(np.float32).tolist())
 
 

@@ -1,4 +1,4 @@
-// What tests/python/solver_test.py compares with: the C++ wrapper steps the same poses and prints a hash a
+// Reference for tests/python/solver_test.py: the C++ wrapper steps the same poses and prints one hash per
 // frame, then writes the last frame's surface in metres.
 //   step_poses SCENE END FRAMES FILE
 #include <cstddef>

@@ -1,4 +1,4 @@
-"""The stubs agree with the module, by names and signatures; every public thing has words."""
+"""The stubs match the module by names and signatures, and every public object has a docstring."""
 
 import ast
 import inspect
@@ -11,7 +11,7 @@ FOLDER = os.path.dirname(fascicle.__file__)
 
 
 def shape_of(arguments):
-    """Names, kinds and defaults of arguments, without their types and the names behind stars."""
+    """Names, kinds and defaults of arguments, without types and without the names behind stars."""
     defaults = [None] * (len(arguments.args) - len(arguments.defaults)) + arguments.defaults
     shape = [("positional", a.arg, d and ast.unparse(d)) for a, d in zip(arguments.args, defaults)]
     shape += [("keyword", a.arg, d and ast.unparse(d)) for a, d in zip(arguments.kwonlyargs, arguments.kw_defaults)]
@@ -19,13 +19,13 @@ def shape_of(arguments):
 
 
 def shape_of_native(function):
-    """The same of a compiled function, from the first line of its docstring."""
+    """The same for a compiled function, from the first line of its docstring."""
     line = function.__doc__.splitlines()[0].replace(": fascicle._fascicle.", ": ")
     return shape_of(ast.parse(f"def {line}: ...").body[0].args)
 
 
 def shape_of_python(function):
-    """The same of a function of Python. Where a default is a function it is `...`, as in the stub."""
+    """The same for a Python function. A default that is a function becomes `...`, as in the stub."""
     parameters = inspect.signature(function).parameters.values()
     kept = [p.replace(annotation=p.empty, default=Ellipsis if inspect.isfunction(p.default) else p.default)
             for p in parameters]
@@ -34,7 +34,7 @@ def shape_of_python(function):
 
 
 def same(stub, real):
-    """Whether two shapes agree; a stub's `...` stands for any default."""
+    """Whether two signatures agree; a stub's `...` matches any default."""
     return len(stub) == len(real) and all(
         a[:2] == b[:2] and (a[2] == b[2] or (a[2] == "..." and b[2] is not None)) for a, b in zip(stub, real))
 
@@ -49,7 +49,7 @@ def is_property(node):
 
 
 def differences(tree):
-    """What the stub says and the module does not, or the other way round, as texts."""
+    """Differences between the stub and the module, as texts."""
     found, public = [], set()
     for node in tree.body:
         if isinstance(node, ast.AnnAssign):

@@ -1,4 +1,4 @@
-"""What the tests of the package share: small scenes, folders, the program."""
+"""Shared by the package's tests: small scenes, folders, the program."""
 
 import os
 import re
@@ -25,7 +25,7 @@ where = { below = { axis = "x", fraction = 0.0 } }
 
 
 class InFolder(unittest.TestCase):
-    """Each test has a folder of its own, and no cache but what is in it."""
+    """Each test has its own folder, and no other cache."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="fascicle-python-")
@@ -40,7 +40,7 @@ class InFolder(unittest.TestCase):
         return os.path.join(self.folder, *names)
 
     def program(self, *arguments):
-        """Runs the program; its stdout and stderr."""
+        """Runs the program; returns its stdout and stderr."""
         ran = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=300)
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
         return ran.stdout + ran.stderr

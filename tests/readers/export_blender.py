@@ -1,13 +1,14 @@
 """blender --background --factory-startup --python export_blender.py -- FOLDER
 
-Makes a post of 1.8 m on two bones, which bend in a clip of 25 frames and stand and are turned as artists leave them, and
-swells by a blend shape, and writes it as FOLDER/post.glb, .fbx and, without the shape, .dae. Frames are keys in all three, so that none is between two."""
+Makes a post of 1.8 m on two bones that are placed and rotated as artists leave them, bend in a clip of 25 frames, with
+a blend shape that swells the post. Writes it as FOLDER/post.glb, .fbx and, without the shape, .dae. Every frame is a
+key in all three, so that nothing is interpolated."""
 import math
 import sys
 
 import numpy
 
-numpy.bool = bool  # which the exporter of FBX of this Blender still wants
+numpy.bool = bool  # this Blender's FBX exporter still uses it
 import bpy  # noqa: E402
 
 folder = sys.argv[sys.argv.index('--') + 1]
@@ -62,9 +63,9 @@ for frame in range(25):
     bone.keyframe_insert('rotation_euler', frame=frame)
     rig.pose.bones['lower'].location = (0, 0.2 * math.sin(frame / 24 * 2 * math.pi), 0)
     rig.pose.bones['lower'].keyframe_insert('location', frame=frame)
-scene.frame_set(12)  # saved in the midst of the clip, as files are
+scene.frame_set(12)  # saved in the middle of the clip, as files often are
 
 bpy.ops.export_scene.gltf(filepath=folder + '/post.glb')
 bpy.ops.export_scene.fbx(filepath=folder + '/post.fbx', add_leaf_bones=False, bake_anim_simplify_factor=0)
-post.shape_key_clear()  # which this Blender would bake into the mesh
+post.shape_key_clear()  # or this Blender would bake it into the mesh
 bpy.ops.wm.collada_export(filepath=folder + '/post.dae')

@@ -1,8 +1,8 @@
 """blender --background --factory-startup --python measure_blender.py -- RESULT FOLDER...
 
-Loads each bake with its own import_blender.py in every format that this Blender reads, evaluates every frame and
-compares the vertices in the world with surface.pc2, read here by its layout. Writes to RESULT, as JSON, the largest
-distance over the body's height for each folder and format."""
+Loads each bake with its own import_blender.py in every format that this Blender reads, evaluates every frame, and
+compares world-space vertices with surface.pc2, which is decoded here. Writes the largest distance, relative to the
+body's height, for each folder and format to RESULT as JSON."""
 import json
 import os
 import runpy
@@ -22,7 +22,7 @@ def samples_of(path):
 
 
 def vertices_now(objects):
-    """In the files' axes: Blender's z is their y."""
+    """World-space vertices in the files' axes: Blender's z is their y."""
     graph = bpy.context.evaluated_depsgraph_get()
     result = []
     for found in objects:

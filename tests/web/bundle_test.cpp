@@ -1,5 +1,4 @@
-// The pages that the program carries are what their sources say, by other programs' word: esbuild,
-// TypeScript, node.
+// The pages in the program match their sources, according to esbuild, TypeScript and node.
 #include <filesystem>
 #include <string>
 
@@ -33,11 +32,11 @@ TEST(WebBundle, CarriesTheNoticeOfThreeAndReachesForNothing) {
   EXPECT_FALSE(contains(page, "unsafe-eval"));
   for (const char* outside : {"src=\"http", "href=\"http", "@import", "import("})
     EXPECT_FALSE(contains(page, outside)) << outside;
-  // 1 MB gzipped is the bar; a third of it unpacked holds that by far.
+  // The limit is 1 MB gzipped; 1 MB unpacked is stricter.
   EXPECT_LT(page.size(), 1'000'000u);
 }
 
-// The lock names what is installed by its bytes and no host that it comes from.
+// The lock file pins packages by their content, and names no host.
 TEST(WebBundle, ItsToolsArePinned) {
   const std::string lock = read_text(fs::path(FASCICLE_SOURCE_DIR) / "web/package-lock.json");
   EXPECT_FALSE(contains(lock, "resolved"));

@@ -1,5 +1,5 @@
-// The studio in a real Chromium: web/tests/studio.mjs starts the program and uses its page, and what it saw
-// is judged here.
+// The studio in a real Chromium: web/tests/studio.mjs starts the program and uses its page, and this test
+// judges what it reports.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -31,7 +31,7 @@ json used_studio(const std::string& name, const std::string& script, const std::
                                             : json();
 }
 
-// A bar that comes to rest within its clip: how deep it hangs at the end is what its stiffness says.
+// A bar that comes to rest within its clip: how low it hangs at the end depends on its stiffness.
 constexpr const char* resting_bar = R"([scene]
 fps = 60
 end = 1.5
@@ -59,13 +59,13 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
   for (const json& path : seen["asked"])
     EXPECT_TRUE(path == "/" || path == "/studio.js" || path == "/studio.css") << path;
 
-  // Twice as soft, the bar's free end hangs lower: by several rows of pixels.
+  // Twice as soft, the bar's free end hangs several rows of pixels lower.
   EXPECT_NEAR(seen["softness"].get<double>(), 2.0, 0.05);
   EXPECT_GT(seen["bottoms"][1].get<int>(), seen["bottoms"][0].get<int>() + 4) << seen["bottoms"];
   EXPECT_NE(seen["hashes"][0], seen["hashes"][1]);
   EXPECT_NE(seen["undone"], seen["softness"]);
 
-  // What was shown is what the saved file bakes: by the page, and by the program.
+  // The saved file bakes to what was shown: from the page, and by the program.
   EXPECT_EQ(seen["baked"], seen["hashes"][1]);
   const fs::path session = fs::path(FASCICLE_BINARY_DIR) / "screenshots/studio/session";
   ASSERT_TRUE(fs::exists(session / "soft.toml"));
@@ -84,7 +84,7 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
-// The brush: by mouse and by keyboard, taken back, saved beside the scene, and baked to what was recorded.
+// The brush: by mouse and keyboard, undone, saved next to the scene, and baked to what was recorded.
 TEST(StudioPage, PaintsACharacter) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -128,8 +128,8 @@ TEST(StudioPage, PaintsACharacter) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
-// Two bakes of one character in one time line: side by side, as a ghost, by their distance; and a picture
-// that is sharp once it stands.
+// Two bakes of a character in one timeline: side by side, as a ghost, and by distance; and a picture that
+// sharpens once still.
 TEST(StudioPage, ShowsTwoBakesSideBySide) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -174,7 +174,7 @@ TEST(StudioPage, ShowsTwoBakesSideBySide) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
-// A bar that falls on a floor and lies there.
+// A bar that falls on a floor and stays there.
 TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -190,7 +190,7 @@ TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
   EXPECT_TRUE(seen["can"]);
   EXPECT_EQ(seen["title"], "floor: plane, post: capsule");
   EXPECT_EQ(seen["above"], 0);
-  // The lower side of the bar: 5 times 3 vertices.
+  // The lower side of the bar: 5 x 3 vertices.
   EXPECT_EQ(seen["lying"], 15);
   EXPECT_TRUE(seen["tug"]);
   EXPECT_GT(seen["beside"]["solid"], 200);
@@ -204,7 +204,7 @@ TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
-// A script that fails, or is killed at its time limit, leaves no studio behind.
+// A script that fails or is killed at its time limit leaves no studio running.
 TEST(StudioPage, EndsWithTheScriptThatStartedIt) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -215,7 +215,7 @@ TEST(StudioPage, EndsWithTheScriptThatStartedIt) {
   EXPECT_EQ(seen["killed"]["was_there"], true) << "the control";
 }
 
-// A character, and a bake's folder, which is looked at and not touched.
+// A character, and a bake's folder, which is opened read-only.
 TEST(StudioPage, OpensCharactersAndBakes) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;

@@ -1,4 +1,5 @@
-// The page of fascicle view in a real Chromium: web/tests/view.mjs uses it, and what it saw is judged here.
+// The page of fascicle view in a real Chromium: web/tests/view.mjs uses it, and this test judges what it
+// reports.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Where screenshots stay for people to look at.
+// A folder that keeps screenshots for people to look at.
 fs::path shots(const std::string& name) {
   const fs::path folder = fs::path(FASCICLE_BINARY_DIR) / "screenshots" / name;
   fs::create_directories(folder);
@@ -53,7 +54,7 @@ double share(const json& seen, const char* of) {
   return seen[of].get<double>() / seen["pixels"].get<double>();
 }
 
-// Pixels of body whose hue lies between two angles, as a share of all of body.
+// The share of the body's pixels with a hue between two angles.
 double of_hue(const json& seen, int from, int to) {
   double sum = 0.0;
   for (int hue = from; hue != to; hue = (hue + 10) % 360)
@@ -83,8 +84,8 @@ TEST(ViewPage, InChromium) {
   EXPECT_NEAR(seen["scrubbed"].get<double>(), 0.5 * last, 2.0);
   EXPECT_NEAR(seen["scrubbed_on_curves"].get<double>(), 0.25 * last, 2.0);
 
-  // From the front the body is as wide for its height as it is, but for perspective, which makes what is near
-  // larger: the body is some five times as far as deep.
+  // From the front the body has its true ratio of width to height, except for perspective: the camera is
+  // about five times as far away as the body is deep.
   const json& pictures = seen["pictures"];
   const auto box = pictures["front"]["box"].get<std::vector<double>>();
   const json& first = decoded["first_box"];
@@ -94,17 +95,17 @@ TEST(ViewPage, InChromium) {
   EXPECT_GT(share(pictures["front"], "body"), 0.02);
   EXPECT_LT(share(pictures["front"], "body"), 0.6);
 
-  // Ghost and flesh differ where lag is, side by side too.
+  // Ghost and flesh differ where flesh lags, side by side too.
   EXPECT_GT(seen["ghost_differs"].get<double>(), 0.004 * pictures["flesh"]["body"].get<double>());
   EXPECT_GT(pictures["ghost"]["blue"], pictures["flesh"]["blue"]);
   EXPECT_GT(share(pictures["left"], "body"), 0.01);
   EXPECT_GT(share(pictures["right"], "body"), 0.01);
   EXPECT_GT(seen["sides_differ"].get<double>(), 0.002 * pictures["left"]["body"].get<double>());
-  // At the outside of the arm there are muscle, red, and fat, yellow; the plain skin has neither.
+  // The outside of the arm shows muscle, red, and fat, yellow; the plain skin shows neither.
   EXPECT_GT(of_hue(pictures["layers"], 350, 10), 0.2);
   EXPECT_GT(of_hue(pictures["layers"], 40, 50), 0.2);
   EXPECT_GT(of_hue(pictures["flesh"], 10, 30), 0.9);
-  // Much lag is green and yellow; the least is dark violet.
+  // Large lag is green and yellow, the smallest is dark violet.
   EXPECT_GT(pictures["most_lag"]["bright"].get<double>(), 0.01 * pictures["most_lag"]["body"].get<double>());
   EXPECT_LT(pictures["least_lag"]["bright"].get<double>(),
             0.5 * pictures["most_lag"]["bright"].get<double>());
@@ -125,8 +126,8 @@ TEST(ViewPage, InChromium) {
   EXPECT_EQ(seen["overflows"]["outside"], json::array());
 }
 
-// A body of layers without a character: each layer that is at the surface has its colour there; it stands
-// beside its rest shape.
+// A layered body without a character: every layer at the surface shows its colour, and the ghost is its rest
+// shape.
 TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -137,12 +138,12 @@ TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   EXPECT_EQ(seen["state"], "ready");
   EXPECT_EQ(seen["said"], json::array());
   EXPECT_EQ(seen["ghost"], "the rest shape");
-  // By the legend's own colours: each has a share of the body.
+  // By the legend's colours, each layer covers part of the body.
   for (const auto& [layer, part] : seen["layers"].items()) EXPECT_GT(part.get<double>(), 0.03) << layer;
   EXPECT_GE(seen["layers"].size(), 2u);
 }
 
-// The control: a page that was cut short says so, and shows no body.
+// The control: a truncated page reports it, and shows no body.
 TEST(ViewPage, OfDamagedDataSaysSo) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
