@@ -1,19 +1,19 @@
 #!/bin/sh
-# The long runs that CI has a short form of; argument: a build folder with tests. About an hour on 2 cores.
+# Long forms of tests that CI runs briefly; argument: a build folder with tests. About an hour on 2 cores.
 set -eu
 build=$1
-# 20,000 random bodies a property; CI runs 100.
+# 20,000 random bodies per property; CI runs 100.
 RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
-# Damaged meshes, scenes and characters, many times over.
+# Damaged meshes, scenes and characters, 20 times each.
 for room in mesh gltf scene; do
   "$build/test_$room" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
 done
-# Characters that CI leaves out.
+# Characters that CI skips.
 "$build/test_flesh" --gtest_filter='*Soak.*'
-# A device that fails at 200 of its calls.
+# Device failures at 200 different calls.
 FASCICLE_FAULT_POINTS=200 "$build/test_cli" --gtest_filter='DeviceFaults.*'
 # Ten million damaged messages to the studio.
 FASCICLE_FUZZ_MESSAGES=10000000 "$build/test_studio" --gtest_filter='Commands.Fuzz*'
-# All scenes on all devices for a minute of time instead of ten seconds.
+# All scenes on all devices, a minute of scene time instead of ten seconds.
 FASCICLE_EXACTNESS_FRAMES=3600 "$build/test_exactness"
 echo "soak: all passed"

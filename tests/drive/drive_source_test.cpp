@@ -237,7 +237,8 @@ TEST(DriveSource, frames_come_in_any_order) {
     EXPECT_EQ(d.origin_shift, kept[frame - 1].shift);
     EXPECT_TRUE(same(kept[frame - 1].bones, d.bones)) << frame;
     backward.initial_state();
-    EXPECT_TRUE(same(kept[frame - 1].bones, d.bones)) << "initial_state ends no drive's spans";
+    EXPECT_TRUE(same(kept[frame - 1].bones, d.bones))
+        << "initial_state() must not invalidate a drive's spans";
   }
 }
 

@@ -345,7 +345,7 @@ TEST(Seamless, ALoopEndsAsItBegins) {
   EXPECT_LT(led.summary.cycles, 10u);
   const Walked cycle = run(bar, 60);
   EXPECT_LE(furthest(cycle.positions[60], cycle.positions[0]), 1e-3 * bar_height);
-  EXPECT_GT(jump, 1e-3 * bar_height) << "the control: without the cycles before, it does not close";
+  EXPECT_GT(jump, 1e-3 * bar_height) << "the control: without the preceding cycles, it does not close";
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ TEST(PaintedStiffness, ARodHalfOfWhichIsStifferStretchesByTheClosedForm) {
   // F L / (A E). The mesh has three edges across, and both ends are held or pulled over half an edge of 18,
   // so it is stiffer by about 15 %, which cancels in the ratios.
   EXPECT_NEAR(even, 10.0 * (length - held) / (width * width * 5e4), 0.2 * even);
-  EXPECT_NEAR(all / even, 0.25, 0.01) << "linear but for the change of section: 1.4 % of stretch";
+  EXPECT_NEAR(all / even, 0.25, 0.01) << "linear except for the change of section: 1.4 % of stretch";
   // The edge of the paint is within an edge of the middle: 1/18 of the free length, on which the ratio
   // depends with a slope of 3/4.
   EXPECT_NEAR(half / even, 0.625, 0.04);

@@ -100,7 +100,7 @@ TEST_P(BlendShapes, move_the_surface_as_a_viewer_shows_the_file) {
     EXPECT_LT(distance(surface, baked.model.unit, shown, scale), 2e-6 * scale) << frame;
     EXPECT_LT(distance(compared.positions(frame), 1.0, shown, scale), 2e-6 * scale) << frame;
   }
-  EXPECT_GT(most, 0.1 * scale) << "without them the surface is another";
+  EXPECT_GT(most, 0.1 * scale) << "without the shapes the surface differs";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scales, BlendShapes, testing::Values(1.0, 0.01));

@@ -42,7 +42,7 @@ void expect_same(const GltfBuilder& builder) {
   const std::string bytes = formats::painted_glb(file, character, paint, missing);
   EXPECT_TRUE(missing.empty());
   const rig::Character again = gltf::read_gltf(folder.write("painted.glb", bytes));
-  EXPECT_EQ(rig::surface_hash(again.surface), paint.surface) << "the paint fits the painted file too";
+  EXPECT_EQ(rig::surface_hash(again.surface), paint.surface) << "the paint also fits the painted file";
   EXPECT_EQ(again.weights, character.weights);
   EXPECT_EQ(again.clips.size(), character.clips.size());
   auto before = painted_on(character), after = painted_on(again);

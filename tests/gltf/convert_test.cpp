@@ -113,7 +113,7 @@ TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
     ASSERT_EQ(other.clips.size(), 1u) << name;
     EXPECT_NEAR(other.clips[0].duration, bend->duration, file_rounding) << name;
     EXPECT_LT(both_ways(skinned(other, nullptr, 0.0), skinned(glb, nullptr, 0.0)), file_rounding)
-        << name << ": the file was saved in the midst of the clip, and rests there";
+        << name << ": the file was saved in the middle of the clip, which is its rest pose";
     double largest = 0.0, moved = 0.0;
     for (int frame = 0; frame <= 24; ++frame) {
       const std::vector<Vector3d> wanted = skinned(glb, bend, frame / 24.0);
@@ -121,7 +121,7 @@ TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
       moved = std::max(moved, both_ways(skinned(other, nullptr, 0.0), wanted));
     }
     EXPECT_LT(largest, file_rounding) << name;
-    EXPECT_GT(moved, 0.3) << name << ": the clip moves nothing, and the comparison says nothing";
+    EXPECT_GT(moved, 0.3) << name << ": the clip moves nothing, so the comparison is meaningless";
   }
   EXPECT_EQ(read("post.fbx").clips[0].name, "Rig|bend");
 }

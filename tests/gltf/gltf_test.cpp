@@ -361,7 +361,7 @@ TEST(Gltf, painted_attributes_are_carried) {
   missing.document["meshes"][0]["primitives"][0]["attributes"]["_LAYER"] = 999;
   try {
     read(missing);
-    ADD_FAILURE() << "an accessor that is not there was accepted";
+    ADD_FAILURE() << "a missing accessor was accepted";
   } catch (const base::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("/meshes/0/primitives/0/attributes/_LAYER"), std::string::npos)
         << error.what();

@@ -1,6 +1,6 @@
 #!/bin/sh
-# clang-format over all our sources and clang-tidy over those of the program. Arguments: a configured build folder (for
-# its compile commands), and how many sources clang-tidy reads, the last changed first (all of them without a number).
+# clang-format on all our sources and clang-tidy on those of the program. Arguments: a configured build folder (for its
+# compile commands), and how many sources clang-tidy checks, most recently changed first (default: all).
 set -eu
 build=$1
 most=${2:-100000}

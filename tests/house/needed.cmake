@@ -1,5 +1,5 @@
 # cmake -D READELF=readelf -P needed.cmake -- PROGRAM [LIBRARY...]
-# Fails if a program asks the loader for more than the C library and the libraries named.
+# Fails if a program needs shared libraries other than the C library and those listed.
 cmake_minimum_required(VERSION 3.25)
 
 math(EXPR last "${CMAKE_ARGC} - 1")
@@ -21,7 +21,7 @@ foreach(line IN LISTS lines)
   string(REGEX REPLACE "^.*: .(.*).$" "\\1" library "${line}")
   list(APPEND needed "${library}")
 endforeach()
-# The C library itself must be found, or the reading above found nothing at all.
+# The C library must be found, otherwise the parsing above failed.
 if(NOT "libc.so.6" IN_LIST needed)
   message(FATAL_ERROR "${program}: no libc.so.6 among what it needs (${needed}); is this a dynamic executable?")
 endif()

@@ -61,7 +61,7 @@ TEST_F(PaperPage, IsWhatItsNumbersGive) {
 
 TEST_F(PaperPage, IsMadeByACommand) {
   const std::string script = text_in(repository / "do");
-  EXPECT_NE(script.find("\n#   ./do paper "), std::string::npos) << "./do help does not name it";
+  EXPECT_NE(script.find("\n#   ./do paper "), std::string::npos) << "./do help does not list it";
   EXPECT_NE(script.find("\n  paper)"), std::string::npos);
 }
 

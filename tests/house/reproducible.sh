@@ -1,9 +1,9 @@
 #!/bin/sh
-# One commit gives the same bytes, whatever the folder and the day.
+# Builds are reproducible: one commit gives the same bytes in any folder and at any time.
 #   reproducible.sh [TARGET...]        builds HEAD twice, in folders of other names and depths and without ccache, and
-#                                      compares all that is given away, packages too; or these targets' files alone
-#   reproducible.sh --packages FOLDER  packs what is built in FOLDER twice, a while apart, and compares
-# More arguments for CMake are in FASCICLE_CMAKE.
+#                                      compares all release files including packages; or only files of these targets
+#   reproducible.sh --packages FOLDER  packs the build in FOLDER twice, some seconds apart, and compares
+# FASCICLE_CMAKE: more arguments for CMake.
 set -eu
 cd "$(dirname "$0")/../.."
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
@@ -11,7 +11,7 @@ export SOURCE_DATE_EPOCH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Those files below a folder that are given away.
+# Release files below a folder.
 given_away() { # FOLDER
   (cd "$1" && find -L . -maxdepth 3 -type f \( -name 'fascicle' -o -name 'fascicle-mesher' -o -name 'fascicle-convert' \
     -o -name 'libfascicle.so.*.*.*' -o -name '_fascicle*.so' -o -name 'fascicle-blender.zip' -o -name '*.deb' \
@@ -24,10 +24,10 @@ same_names() { # A B
   cmp -s "$work/files" "$work/files-of-other"
 }
 
-# Compares the files that are given away below two folders.
+# Compares the release files below two folders.
 compare() { # A B
   differ=0
-  # The control: a file that one alone has is seen.
+  # The control: a file in only one folder is detected.
   mkdir -p "$work/control/one" "$work/control/other"
   touch "$work/control/other/fascicle-mesher"
   ! same_names "$work/control/one" "$work/control/other" || { echo "reproducible: a file more is not seen" >&2; exit 1; }
@@ -47,7 +47,7 @@ compare() { # A B
     fi
   done < "$work/files"
   [ -s "$work/files" ] || { echo "reproducible: there is nothing to compare" >&2; exit 1; }
-  # The control: one byte more is seen.
+  # The control: an extra byte is detected.
   file=$(comm -12 "$work/files" "$work/files-of-other" | head -n 1)
   [ -n "$file" ] || { echo "reproducible: the two have no file in common" >&2; exit 1; }
   { cat "$2/$file"; echo; } > "$work/longer"
@@ -64,7 +64,7 @@ if [ "${1:-}" = --packages ]; then
     (cd "$build" && rm fascicle-blender.zip && cmake --build . --target fascicle_blender) > "$work/log" 2>&1 ||
       { cat "$work/log" >&2; exit 1; }
     cp "$build/fascicle-blender.zip" "$work/$turn"
-    # Times within the files are counted in seconds, those of zip in twos.
+    # Timestamps in the files have a resolution of one second, in zip of two.
     sleep 3
   done
   compare "$work/first" "$work/second"
@@ -73,7 +73,7 @@ fi
 
 for place in a b/in/a/deeper/folder; do
   source=$work/$place/source build=$work/$place/source/build/release
-  # The build folder lies once in the sources' folder and once beside it.
+  # One build folder is inside the source folder, the other next to it.
   [ "$place" = a ] || build=$work/$place/another
   mkdir -p "$source"
   git archive HEAD | tar -x -C "$source"
@@ -82,7 +82,7 @@ for place in a b/in/a/deeper/folder; do
     -DCMAKE_INSTALL_PREFIX=/usr ${FASCICLE_CMAKE:-} >&2
   CCACHE_DISABLE=1 cmake --build "$build" ${*:+--target "$@"} >&2
   [ $# -gt 0 ] || (cd "$build" && cpack -B "$build/packages") >&2
-  # Where the two lie is all that may be another.
+  # Only the location may differ.
   ln -s "$build" "$work/built-$(echo "$place" | cut -c 1)"
 done
 compare "$work/built-a" "$work/built-b"

@@ -84,8 +84,7 @@ TEST(Unity, SourcesOfAFolderKeepNamesOfTheirOwn) {
     if (!source.path.starts_with("tests/") && !source.path.starts_with("bench/"))
       sources.push_back(std::move(source));
   ASSERT_GT(sources.size(), 200U);
-  for (const std::string& clash : clashes(sources))
-    ADD_FAILURE() << clash << ": call one of them something else";
+  for (const std::string& clash : clashes(sources)) ADD_FAILURE() << clash << ": rename one of them";
 }
 
 // The control: clashing names are found, and others are not.

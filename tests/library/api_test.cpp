@@ -411,7 +411,7 @@ TEST(CApi, TheConverterIsAParameter) {
       run_in_shell(std::string(FASCICLE_PROGRAM) + " bake arm --no-cache --device cpu --end 0.05 -o " + made)
           .status,
       0);
-  std::ofstream(character) << "not read by the converter of this test";
+  std::ofstream(character) << "not read by this test's converter";
   std::ofstream(converter) << "#!/bin/sh\necho called >> " << calls << "\ncp " << made
                            << "/character.glb \"$2\"\n";
   std::filesystem::permissions(converter, std::filesystem::perms::owner_all);
@@ -477,7 +477,7 @@ class TemporaryFiles {
 
 void expect_nothing_left(const std::string& temporary) {
   EXPECT_TRUE(std::filesystem::is_empty(temporary));
-  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child process is left";
   EXPECT_EQ(errno, ECHILD);
 }
 
@@ -506,7 +506,7 @@ TEST(CApi, ABuildIsCancelledAnywhere) {
     if (status == FASCICLE_OK) break;
     ASSERT_EQ(status, FASCICLE_CANCELLED) << message();
     ASSERT_EQ(model, nullptr);
-    EXPECT_EQ(canceller.calls, canceller.cancel_at) << "it is not asked again";
+    EXPECT_EQ(canceller.calls, canceller.cancel_at) << "a cancelled build must not call progress again";
   }
   // Before and after the body, at least once per run of the mesher, and between the later steps.
   EXPECT_GE(canceller.calls, 8);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What the Debian packages in a folder hold, and what they need. Prints each package; fails at the first that is wrong.
+# Checks contents and dependencies of the Debian packages in a folder. Prints each package; stops at the first error.
 #   check_packages.sh DIR
 set -eu
 cd "$1"
@@ -9,7 +9,7 @@ fail() {
   exit 1
 }
 
-# PACKAGE FILE...: the package has these files.
+# PACKAGE FILE...: the package contains these files.
 holds() {
   package=$1
   shift
@@ -18,7 +18,7 @@ holds() {
     dpkg-deb -c "$deb" | awk '{print $6}' | grep -Eq "^\\./$file\$" || fail "$package lacks $file"
   done
 }
-# PACKAGE WORD...: its dependencies name these, or with ! before them do not.
+# PACKAGE WORD...: its dependencies contain these words, or with a leading ! do not.
 depends() {
   deb=$(ls "${1}"_*.deb)
   all=$(dpkg-deb -f "$deb" Depends)
@@ -65,7 +65,7 @@ done
 sha256sum --quiet -c SHA256SUMS || fail "SHA256SUMS are not those of the files"
 [ "$(wc -l < SHA256SUMS)" -eq "$(ls -- *.deb *.spdx.json *.zip | wc -l)" ] || fail "SHA256SUMS leaves files out"
 for deb in *.deb; do
-  # The files of one package are no other's.
+  # No file is in two packages.
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}'
 done | sort | uniq -d | grep . && fail "a file is in two packages"
 for deb in *.deb; do echo "$(dpkg-deb -f "$deb" Package Version | tr '\n' ' ')needs $(dpkg-deb -f "$deb" Depends)"; done

@@ -100,7 +100,7 @@ TEST(Steps, PosesForEachSubstepAndForTheFrameAreBothTaken) {
   four.start_pose(from);
   one.step_pose(to);
   four.step_pose(all);
-  EXPECT_EQ(one.position_hash(), four.position_hash()) << "between frames poses are mixed linearly";
+  EXPECT_EQ(one.position_hash(), four.position_hash()) << "poses are interpolated linearly between frames";
   all.resize(2 * to.size());
   EXPECT_THROW(four.step_pose(all), fascicle::error);
 }
@@ -191,7 +191,7 @@ TEST(Steps, ALeadInIsCancelled) {
       EXPECT_EQ(phase, FASCICLE_PHASE_LEAD_IN);
       return ++calls < 3;
     });
-    ADD_FAILURE() << "it went on";
+    ADD_FAILURE() << "it was not cancelled";
   } catch (const fascicle::error& error) {
     EXPECT_EQ(error.status(), FASCICLE_CANCELLED);
   }
@@ -210,7 +210,7 @@ TEST(Steps, ALeadInIsCancelled) {
   const fascicle::bake_result bake = fascicle::bake(scene, options);
   solver.start_clip();
   for (std::uint64_t frame = 1; frame <= scene.frame_count(); ++frame) solver.step_clip();
-  EXPECT_EQ(solver.position_hash(), bake.position_hash()) << "the lead-in is the bake's";
+  EXPECT_EQ(solver.position_hash(), bake.position_hash()) << "the lead-in is the same as the bake's";
 }
 
 // A wrong pose count is refused before any number is read: the second pose here is not valid.
@@ -239,7 +239,7 @@ TEST(Steps, PosesColumnByColumnAreRefused) {
   EXPECT_NO_THROW(solver.start_pose(turned));
   try {
     solver.start_pose(by_columns);
-    ADD_FAILURE() << "a pose column by column";
+    ADD_FAILURE() << "a column-major pose was accepted";
   } catch (const fascicle::error& error) {
     EXPECT_EQ(error.status(), FASCICLE_BAD_ARGUMENT);
     EXPECT_NE(std::string(error.what()).find("the last row must be 0 0 0 1"), std::string::npos)
@@ -296,7 +296,7 @@ TEST(Steps, ALeadInThatDivergesSaysSo) {
   const std::vector<float> rest = solver.positions();
   try {
     solver.start_clip();
-    ADD_FAILURE() << "it did not diverge, or nobody saw it";
+    ADD_FAILURE() << "it did not diverge, or that went unnoticed";
   } catch (const fascicle::error& error) {
     EXPECT_EQ(error.status(), FASCICLE_NOT_FINITE) << error.what();
   }

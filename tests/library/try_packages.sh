@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs the packages of a folder into a Debian that has nothing else, bakes there, and builds the examples there: the
-# hashes must be this machine's. Needs root, debootstrap and a network; takes minutes.
+# Installs the packages of a folder into a minimal Debian, bakes there, and builds the examples there: the hashes must
+# be those of this machine. Needs root, debootstrap and a network; takes minutes.
 #   try_packages.sh DIR
 set -eu
 packages=$(cd "$1" && pwd)
@@ -12,7 +12,7 @@ mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 inside() {
-  # Nothing of this machine's environment, such as a compiler launcher, is there.
+  # Without this machine's environment, such as a compiler launcher.
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C DEBIAN_FRONTEND=noninteractive \
     chroot "$root" /bin/sh -euc "cd /tmp; $1"
 }

@@ -93,7 +93,7 @@ TEST_P(MadeCharacters, HaveWeightsThatSumToOne) {
     EXPECT_NEAR(sum, 1.0, 1e-12);  // a dozen roundings
     EXPECT_EQ(character_.weights[i][6] + character_.weights[i][7], 0.0);
   }
-  EXPECT_EQ(used.size(), character_.skeleton.size()) << "a joint that leads no flesh";
+  EXPECT_EQ(used.size(), character_.skeleton.size()) << "a joint without flesh";
 }
 
 // Neighbours on the skin have similar weights: a jump would be a crease.
@@ -256,7 +256,7 @@ TEST_F(BearJump, BendsItsJointsAsFarAsJointsGo) {
                    ankle = angle(shin, foot), elbow = angle(upper, lower);
       deepest_knee = std::max(deepest_knee, knee);
       EXPECT_LT(knee, 140.0) << time;
-      EXPECT_GT(knee, 3.0) << time << ": a leg that is straight cannot reach";
+      EXPECT_GT(knee, 3.0) << time << ": a straight leg cannot reach";
       EXPECT_LT(hip, 125.0) << time;
       EXPECT_LT(elbow, 145.0) << time;
       // 20 degrees up, 50 down, from the foot's rest angle.

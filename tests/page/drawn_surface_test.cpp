@@ -68,7 +68,7 @@ TEST(GroupTriangles, KeepsEveryTriangleWithItsCornersAndTheirValues) {
   std::uint32_t next = 0;
   for (const auto& triangle : surface.triangles)
     for (const std::uint32_t vertex : triangle) {
-      EXPECT_LE(vertex, next) << "vertices are numbered as they are met";
+      EXPECT_LE(vertex, next) << "vertices are numbered in order of first use";
       next = std::max(next, vertex + 1);
     }
 }

@@ -72,7 +72,7 @@ TEST(LongWaitTest, ALongLeadInSaysSo) {
   const auto prepared = pipeline::prepare_bake(scene::load_scene("jump", overrides), request, say);
   const bake::BakeResult result = pipeline::run_bake(*prepared, request, say);
   EXPECT_FALSE(result.interrupted);
-  EXPECT_GE(frames, 3) << "what the caller asked for is called, too";
+  EXPECT_GE(frames, 3) << "the caller's own callback runs too";
   EXPECT_NE(said.find("still before frame 0, frame "), std::string::npos) << said;
 }
 

@@ -192,7 +192,7 @@ TEST_F(Properties, RandomBarsStayFinite) {
     bar.seed = *rc::gen::arbitrary<std::uint64_t>();
     check(random_scene(bar));
   }));
-  EXPECT_GT(built_, 50) << "most random bars are good ones";
+  EXPECT_GT(built_, 50) << "most random bars are valid";
 }
 
 // Random points, some coincident or coplanar, and tetrahedra of any four of them.
@@ -212,7 +212,7 @@ TEST_F(Properties, RandomTetrahedraStayFiniteOrAreRefused) {
     }
     check(random_scene(mesh));
   }));
-  EXPECT_GT(refused_, 0) << "random numbers are hardly ever a mesh";
+  EXPECT_GT(refused_, 0) << "random numbers rarely form a valid mesh";
 }
 
 // A valid mesh of random shape: tetrahedra glued to faces, one after another.
@@ -276,8 +276,8 @@ TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
     }
     check(random_scene(mesh));
   }));
-  EXPECT_GT(built_, 10) << "a third of the meshes are whole";
-  EXPECT_GT(refused_, 10) << "most damage is not harmless";
+  EXPECT_GT(built_, 10) << "a third of the meshes are undamaged";
+  EXPECT_GT(refused_, 10) << "most damage is harmful";
 }
 
 // An octahedron, subdivided twice, its vertices at random distances from the centre: closed and star-shaped,
@@ -321,7 +321,7 @@ TEST_F(Properties, RandomSurfacesAroundBonesStayFinite) {
     scene.layers.push_back(bone);
     check(scene, options);
   }));
-  EXPECT_GT(built_, 30) << "a layer of 0.4 and more around a bone mostly holds a vertex";
+  EXPECT_GT(built_, 30) << "a layer of at least 0.4 around a bone usually contains a vertex";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Decodes a page of `fascicle view`, written from docs/formats.md alone, and holds it against the bake's point cache:
+// Decodes a page of `fascicle view`, written from docs/formats.md alone, and compares it with the bake's point cache:
 //   node decode_page.mjs PAGE.html [SURFACE.pc2]
-// Prints one JSON object: counts, the largest distance (m) of a vertex of any frame, what the page states, and of each
+// Prints one JSON object: counts, the largest error (m) of any vertex in any frame, what the page states, and for each
 // frame the largest distance between flesh and ghost.
 import { readFileSync } from "node:fs";
 

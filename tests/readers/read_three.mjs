@@ -1,5 +1,5 @@
-// node read_three.mjs FILE TIME...: what three.js shows of a .glb at these times of its first clip, by the meshes of the
-// scene. Prints one JSON object a time: the vertices of each mesh, 3 numbers each.
+// node read_three.mjs FILE TIME...: what three.js shows of a .glb at these times of its first clip, for each mesh of
+// the scene. Prints one JSON object per time: the vertices of each mesh, 3 numbers each.
 import fs from 'node:fs';
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';

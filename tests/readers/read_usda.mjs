@@ -1,17 +1,17 @@
-// node read_usda.mjs FILE: reads USD's text form by two programs that are not ours. tinyusdz, strict and typed, must take
-// the file as a whole; three.js gives the samples' values. Prints one JSON object.
+// node read_usda.mjs FILE: reads USD's text format with two third-party parsers. tinyusdz, strict and typed, must
+// accept the whole file; three.js gives the values of samples. Prints one JSON object.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import { USDAParser } from 'three/examples/jsm/loaders/usd/USDAParser.js';
 
 const file = fs.readFileSync(process.argv[2]);
 
-// Its WebAssembly is built for browsers and looks for one.
+// The WebAssembly of tinyusdz is built for browsers and checks for one.
 process.type = 'renderer';
 globalThis.window = globalThis;
 const find = createRequire(import.meta.url).resolve;
 const program = fs.readFileSync(find('tinyusdz/tinyusdz.wasm'));
-// An ES module by its content, which only newer versions of node look at; older ones go by the name.
+// The file is an ES module. Older versions of node only go by its name, so copy it to .mjs.
 const named = new URL(`./tinyusdz-${process.pid}.mjs`, import.meta.url);
 fs.copyFileSync(find('tinyusdz/tinyusdz.js'), named);
 const module = await import(named);
@@ -27,7 +27,7 @@ if (!stage.loadFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error
 const layer = new tinyusdz.TinyUSDZLoaderNative();
 if (!layer.loadAsLayerFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error(layer.error());
 
-// Of every prim and attribute what the file says, arrays as plain ones.
+// The fields of every prim and attribute, with typed arrays as plain arrays.
 const plain = (value) => {
   if (ArrayBuffer.isView(value)) return Array.from(value);
   if (value && value.times) return { times: Array.from(value.times), values: value.values.map(plain) };

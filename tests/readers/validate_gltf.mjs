@@ -1,4 +1,4 @@
-// node validate_gltf.mjs FILE: Khronos' glTF validator; prints its report as JSON.
+// node validate_gltf.mjs FILE: runs Khronos' glTF validator; prints its report as JSON.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 

@@ -229,7 +229,7 @@ TEST(FindClip, by_the_last_part_of_its_name) {
             "`WALK` matches several clips: 3 `Dog:Walk`, 4 `Dog:walk`; give the number or the "
             "whole name");
   EXPECT_NE(refusal("Galop").find("did you mean Gallop?"), std::string::npos) << refusal("Galop");
-  EXPECT_NE(refusal("llop").find("has no clip `llop`"), std::string::npos) << "a part of a word is none";
+  EXPECT_NE(refusal("llop").find("has no clip `llop`"), std::string::npos) << "part of a word does not match";
 }
 
 }  // namespace

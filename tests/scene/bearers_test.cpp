@@ -77,7 +77,7 @@ TEST(Bearers, TheJointsOwnAxesDoNotMatter) {
                             {}, file.parent_path());
   const Eigen::Matrix3d axes =
       all_of(scene).skeleton[joint_called(scene, joint)].inverse_bind.topLeftCorner<3, 3>();
-  EXPECT_GT((axes - Eigen::Matrix3d::Identity()).norm(), 0.1) << "or this test says nothing";
+  EXPECT_GT((axes - Eigen::Matrix3d::Identity()).norm(), 0.1) << "otherwise this test is meaningless";
   expect_held(scene, joint, {0.1, 0.2, 0.3}, {0, 40, 0});
 }
 

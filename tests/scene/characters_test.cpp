@@ -49,7 +49,7 @@ TEST(Characters, AreJoinedUnderTheirNames) {
     EXPECT_EQ(both.parts.at(k).object, name + "/arm");
     EXPECT_EQ(both.parts[k].first_vertex, k * vertices);
   }
-  EXPECT_NE(both.parts[0].node, both.parts[1].node) << "or formats would take them for one object";
+  EXPECT_NE(both.parts[0].node, both.parts[1].node) << "otherwise formats would merge them into one object";
   ASSERT_EQ(both.clips.size(), 1u);
   EXPECT_EQ(clip_name(scene), "left/curl + right/curl");
   EXPECT_NEAR(scene.end, alone.clips[0].duration + 0.25, 1e-12) << "until the later one has ended";
@@ -67,7 +67,7 @@ TEST(Characters, StandAndMoveWhereTheSceneSays) {
     const auto pose = rig::joint_transforms_at(both, &both.clips[0], time);
     for (std::size_t j = 0; j < alone.skeleton.size(); ++j) {
       const auto left = rig::joint_transforms_at(alone, &alone.clips[0], time);
-      EXPECT_EQ(pose[1 + j], left[j]) << "the first stands where it stands alone";
+      EXPECT_EQ(pose[1 + j], left[j]) << "the first is at the same place as alone";
       const auto late = rig::joint_transforms_at(alone, &alone.clips[0], time - 0.25);
       const Eigen::Matrix4d& right = pose[alone.skeleton.size() + 2 + j];
       EXPECT_LT((right.topLeftCorner<3, 3>() - turn * late[j].topLeftCorner<3, 3>()).norm(), rounding);
@@ -159,7 +159,7 @@ TEST(Characters, AreReadFromTheirFiles) {
       "at = [1, 0, 0]\n[character.c]\nmade = \"arm\"\n" +
           layers,
       {}, man.parent_path());
-  ASSERT_EQ(scene.input_hashes.size(), 1u) << "a file that two were read from is one input";
+  ASSERT_EQ(scene.input_hashes.size(), 1u) << "a file used by two characters is one input";
   EXPECT_EQ(scene.input_hashes[0].first, man.string());
   EXPECT_EQ(scene.characters[1].file, man);
   EXPECT_TRUE(scene.characters[2].file.empty());

@@ -57,7 +57,7 @@ TEST(MuscleBones, BonesOverSeveralJoints) {
   EXPECT_EQ(bones.carrier, forearm) << "the last joint along the bone";
   EXPECT_EQ(bones.moves, (std::vector<char>{0, 1, 1, 0}));
   EXPECT_FALSE(bones.bend->lower_end.has_value()) << "the hand ends the chain";
-  EXPECT_GT(bones.bend->tip.x(), 0.60) << "beyond the wrist at 0.56";
+  EXPECT_GT(bones.bend->tip.x(), 0.60) << "past the wrist at 0.56";
 }
 
 TEST(MuscleBones, WithoutAJointABoneAlone) {

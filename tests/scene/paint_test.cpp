@@ -166,7 +166,7 @@ TEST(ScenePaint, GoesBeforeWhatTheCharacterHas) {
                {{"_LAYER", {3}, {1.0f}}, {"_STIFFNESS", {4}, {0.25f}}, {"_FIBER", {5}, {0.0f, 1.0f, 0.0f}}}),
       arm);
   for (std::size_t v = 0; v < count; ++v) {
-    EXPECT_EQ(values_of(arm, "_LAYER")[v], v == 3 ? 1.0 : 2.0) << "what is not painted stays";
+    EXPECT_EQ(values_of(arm, "_LAYER")[v], v == 3 ? 1.0 : 2.0) << "unpainted vertices keep their values";
     EXPECT_EQ(values_of(arm, "_STIFFNESS")[v], v == 4 ? 0.25 : 1.0) << "unpainted flesh is not softer";
     EXPECT_EQ(values_of(arm, "_FIBER")[3 * v + 1], v == 5 ? 1.0 : 0.0);
   }
@@ -185,7 +185,7 @@ TEST(ScenePaint, IsAnInputOfTheScene) {
   painted.write({{"_RIGID", {4}, {1.0f}}});
   EXPECT_NE(painted.scene(by_alpha).input_hashes[0].second, scene.input_hashes[0].second);
   const Scene plain = parse("[character]\nmade = \"arm\"\n" + by_alpha);
-  EXPECT_FALSE(json_of(plain).contains("paint")) << "manifests of scenes without paint are as before";
+  EXPECT_FALSE(json_of(plain).contains("paint")) << "manifests of scenes without paint have no such key";
   const Scene set = parse("[character]\nmade = \"arm\"\n" + by_alpha,
                           {.set = {"character.paint=arm.paint.json"}}, painted.folder.path());
   EXPECT_EQ(values_of(set, "_RIGID")[4], 1.0);
@@ -225,9 +225,9 @@ TEST(ScenePaint, LayersAreTakenByNameWhereNoneAsksForPaint) {
     return std::pair(shape.minimum, shape.maximum);
   };
   EXPECT_EQ(range_of(0), std::pair(2.5, 3.5)) << "fat";
-  EXPECT_TRUE(scene.layers[1].by_paint.empty()) << "muscle, which is not painted";
+  EXPECT_TRUE(scene.layers[1].by_paint.empty()) << "unpainted muscle";
   EXPECT_EQ(range_of(2), std::pair(0.5, 1.5)) << "bone";
-  EXPECT_TRUE(scene.layers[0].where.empty()) << "the rest of the body stays that";
+  EXPECT_TRUE(scene.layers[0].where.empty()) << "the rest of the body is unchanged";
 
   const std::string start = "sample.toml:3: character.paint: paints _LAYER 3, which no layer takes; call a ";
   const std::string body =
@@ -237,7 +237,7 @@ TEST(ScenePaint, LayersAreTakenByNameWhereNoneAsksForPaint) {
   const std::string asks =
       "[layers.more]\nalpha = 0.1\n"
       "where = { painted = { attribute = \"_LAYER\", minimum = 3, maximum = 3 } }\n";
-  EXPECT_EQ(painted.refusal(body + asks), "no error") << "the scene says itself what paint means";
+  EXPECT_EQ(painted.refusal(body + asks), "no error") << "the scene itself defines the paint";
   for (const Layer& layer : painted.scene(by_alpha + asks).layers)
     EXPECT_TRUE(layer.by_paint.empty()) << layer.name;
 }
@@ -250,7 +250,7 @@ TEST(ScenePaint, StiffnessMultipliesWhatLayersSay) {
   EXPECT_EQ(scene.layers[2].alpha_attribute, "") << "bone has no alpha to multiply";
   const Scene said = painted.scene(by_alpha, {.set = {"layers.fat.alpha_attribute=_STIFFNESS"}});
   EXPECT_EQ(said.layers[0].alpha_attribute, "_STIFFNESS");
-  EXPECT_EQ(said.layers[1].alpha_attribute, "") << "the scene says itself where it acts";
+  EXPECT_EQ(said.layers[1].alpha_attribute, "") << "the scene itself defines where it acts";
   const Scene physical = painted.scene(
       "[layers.fat]\nmaterial = \"fat\"\n[layers.muscle]\nfrequency = 4.0\nwhere = { depth = { maximum = "
       "0.65 } }\n"
@@ -301,7 +301,7 @@ TEST(ScenePaint, ABareFileGoesByIt) {
   folder.write("man.paint.json", "{}");
   try {
     load_scene(man.string(), {.set = {"character.paint=" + file.string()}});
-    ADD_FAILURE() << "no paint was taken for one";
+    ADD_FAILURE() << "input without paint was accepted as paint";
   } catch (const SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("character.paint: " + file.string() + ": /fascicle_paint"),
               std::string::npos)

@@ -142,7 +142,7 @@ TEST_F(BesideTest, ARunningSceneStandsBesideItsOwnBakes) {
   client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 3.0}}}});
   client->wait_for("applied");
   client->say({{"type", "bake"}, {"folder", "one"}, {"overwrite", true}});
-  EXPECT_TRUE(client->wait_for("beside").at("bake").is_null()) << "what is written anew is let go";
+  EXPECT_TRUE(client->wait_for("beside").at("bake").is_null()) << "a bake that is rewritten is closed";
   EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), one);
   const Json again = client->wait_for("baked");
   EXPECT_NE(again.at("position_hash"), baked.at("position_hash"));

@@ -106,7 +106,7 @@ TEST(Brush, ObeysSymmetry) {
   const auto far = ground_of({0.0});
   Painting beside = blank(far);
   beside.stamp(brush, {3.0, 0.1, 0.0}, Vector3d::Zero());
-  EXPECT_LE(beside.paint().attributes.at(0).vertex.size(), 12u) << "one place on either edge at most";
+  EXPECT_LE(beside.paint().attributes.at(0).vertex.size(), 12u) << "at most one place on either edge";
 }
 
 // Moves values part of the way, less towards the rim, and closer with each stamp.
@@ -181,7 +181,7 @@ TEST(Brush, Erases) {
   EXPECT_EQ(before[0], 2.0f);
   Brush brush = brush_of("_LAYER", 0.0f, 0.05);
   painting.stamp(brush, {0.0, 0.1, 0.0}, Vector3d::Zero());
-  EXPECT_NE(painting.shown(kind), before) << "by depth, whatever the file says";
+  EXPECT_NE(painting.shown(kind), before) << "0 means layers by depth, whatever the file has";
   EXPECT_FALSE(painting.paint().attributes.empty());
   brush.erases = true;
   brush.radius = 0.06;

@@ -120,7 +120,7 @@ std::string Client::wait_for_frame(const std::function<bool(const std::string&)>
     if (!message->is_text && !message->bytes.empty() && message->bytes[0] == 1 && is_wanted(message->bytes))
       return message->bytes;
   }
-  ADD_FAILURE() << "no such frame came";
+  ADD_FAILURE() << "no such frame arrived";
   return {};
 }
 

@@ -82,7 +82,7 @@ TEST(History, HoldsPaintBesideTheText) {
   EXPECT_EQ(shown(history), "red");
   EXPECT_EQ(history.redo_label(), nullptr);
   history.fall_back("a", {});
-  EXPECT_TRUE(history.paints().empty()) << "no step has it, so that this one gets it";
+  EXPECT_TRUE(history.paints().empty()) << "no step has this paint, so the current one takes it";
 }
 
 TEST(History, KeepsTheNewestOfTooMany) {

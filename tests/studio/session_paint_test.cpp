@@ -81,7 +81,7 @@ TEST_F(SessionPaintTest, AStrokeIsAChangeThatCanBeTakenBack) {
   EXPECT_EQ(key.at("value"), "arm.paint.json");
   EXPECT_EQ(client->wait_for("history").at("undo"), "paint layers");
   const DecodedArray layers = wait_for_array(*client, "surface.layer");
-  EXPECT_NE(layers.numbers, before) << "the body has it";
+  EXPECT_NE(layers.numbers, before) << "the body uses it";
   client->wait_for("applied");
 
   client->say({{"type", "undo"}});
@@ -327,7 +327,7 @@ TEST_F(SessionPaintsTest, TheBrushPaintsTheCharacterUnderIt) {
     client->wait_for("applied");
     client->say({{"type", "undo"}});
     const Json paint = client->wait_for("paint");
-    EXPECT_EQ(paint.at("arrays"), Json({"paint._LAYER"})) << "of both at once";
+    EXPECT_EQ(paint.at("arrays"), Json({"paint._LAYER"})) << "on both arms at once";
     client->wait_for("applied");
     client->say({{"type", "redo"}});
     client->wait_for("applied");

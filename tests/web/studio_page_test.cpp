@@ -77,7 +77,7 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
   for (const auto& [key, did] : seen["keys"].items()) EXPECT_TRUE(did.get<bool>()) << "key " << key;
   for (const auto& [what, violations] : seen["axe"].items())
     EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
-  EXPECT_GE(seen["found"], 1) << "gravity is found by its name";
+  EXPECT_GE(seen["found"], 1) << "the search finds gravity";
 
   EXPECT_TRUE(contains(seen["lost"].get<std::string>(), "gone"));
   EXPECT_EQ(seen["restored"], seen["softness"]) << "nothing is lost when the program dies";
@@ -155,11 +155,11 @@ TEST(StudioPage, ShowsTwoBakesSideBySide) {
   EXPECT_EQ(seen["names"], json({"Lag, mean", "Lag, peak", "Energy", "Volume"}))
       << "a bake has no solver's speed";
   for (const json& value : seen["values"])
-    EXPECT_TRUE(contains(value.get<std::string>(), " | ")) << value << ": of both";
+    EXPECT_TRUE(contains(value.get<std::string>(), " | ")) << value << ": both bakes";
   EXPECT_TRUE(contains(seen["curves"].get<std::string>(), "Lag, mean from 0 to ")) << seen["curves"];
 
   EXPECT_TRUE(seen["difference_can"]);
-  EXPECT_EQ(seen["difference"][0], 0) << "the bake beside has its own colours";
+  EXPECT_EQ(seen["difference"][0], 0) << "the comparison bake has its own colours";
   EXPECT_GT(seen["difference"][1], 20);
   EXPECT_EQ(seen["no_difference"], json({0, 0}));
   EXPECT_EQ(seen["ghost"][0], 0);
@@ -194,7 +194,7 @@ TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
   EXPECT_EQ(seen["lying"], 15);
   EXPECT_TRUE(seen["tug"]);
   EXPECT_GT(seen["beside"]["solid"], 200);
-  EXPECT_EQ(seen["beside"]["touch"], 0) << "what touches is of the flesh alone";
+  EXPECT_EQ(seen["beside"]["touch"], 0) << "only flesh is marked as touching";
   EXPECT_TRUE(seen["unchecked"]);
   EXPECT_GT(seen["shown"]["solid"].get<int>(), seen["hidden"]["solid"].get<int>() + 1000);
   EXPECT_GT(seen["shown"]["touch"].get<int>(), seen["hidden"]["touch"].get<int>() + 20);

@@ -1,4 +1,4 @@
-// Not exact: whoever reads what stood there before gets the order of the invocations.
+// Not exact: the value read before the addition reveals the order of the invocations.
 #version 450
 layout(local_size_x = 32) in;
 layout(std430, binding = 0) buffer Values { uint value[]; };

@@ -1,4 +1,4 @@
-// Refused: conversions round as the device likes.
+// Refused: conversions round differently on devices.
 #version 450
 layout(local_size_x = 32) in;
 layout(std430, binding = 0) buffer Values { float value[]; };
