@@ -59,13 +59,13 @@ std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& sc
 std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected,
                                const std::optional<bake::TriedLook>& tried) {
   if (!expected) return "no free flesh on a skeleton";
-  if (expected->score <= 0.0) return "nothing swings it";
+  if (expected->score <= 0.0) return "nothing makes it swing";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   std::string text = "swing " + number_text(expected->score, 2) + " (1 is the limit), at joint \"" +
                      skeleton[expected->joint].name + "\" in frame " + std::to_string(expected->frame);
   if (tried)
     text += "; frames " + std::to_string(tried->first + 1) + " to " + std::to_string(tried->last) +
-            " were tried: look " + number_text(tried->worst.score, 3) + ", " + name_of(tried->cause);
+            " were simulated: look " + number_text(tried->worst.score, 3) + ", " + name_of(tried->cause);
   return text;
 }
 
@@ -87,9 +87,9 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
                     {"output", bytes_text(estimate.output_bytes)},
                     {"surface.glb", glb.empty() ? "not asked for" : glb},
                     {"expected look", expected_look_text(scene, prepared.expected, prepared.tried)},
-                    {"time", "about " + duration_text(estimate.seconds) + ", the writing beside it (" +
+                    {"time", "about " + duration_text(estimate.seconds) + ", writing in parallel (" +
                                  number_text(estimate.seconds_substep * 1e3, 3) +
-                                 " ms a substep, measured)"}});
+                                 " ms per substep, measured)"}});
 }
 
 // Prints how to view each kind of file that was written.
@@ -99,7 +99,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
       if (file.extension() == extension) return &file;
     return nullptr;
   };
-  std::cout << "look at it\n";
+  std::cout << "to look at it\n";
   if (arguments.output.keep_frames)
     std::cout << "  the studio: fascicle studio " << shell_word(arguments.folder)
               << "  (to change it while it moves: fascicle studio " << shell_word(arguments.scene.name)
@@ -115,7 +115,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
               << pc2->string() << ", forward Y, up Z\n";
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
-              << "  (energy, volume, largest displacement, probes; a row a frame)\n";
+              << "  (energy, volume, largest displacement, probes; one row per frame)\n";
   if (!arguments.output.keep_frames)
     std::cout << "  the frames were not kept: nothing can be exported or drawn later\n";
   else if (bake::formats_to_write(arguments.output).empty())
@@ -146,7 +146,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
                   const bake::DeviceDescription& device, const bake::BakeResult& result) {
   std::cout << "baked " << shown_text(scene.name) << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
-            << ", writing beside it " << duration_text(result.seconds_writing) << ")\n"
+            << ", writing in parallel " << duration_text(result.seconds_writing) << ")\n"
             << "device: " << device.solver << ", " << device.name << "\n"
             << "position hash of the last frame: " << result.last_position_hash << "\n";
   print_motion(arguments, model, result);
@@ -162,12 +162,12 @@ std::string device_list(const std::string& device) {
 }
 
 ManyBakes bakes_of_clips(const BakeArguments& arguments) {
-  if (arguments.scene.name.empty()) throw UsageError("--clips: say of which character");
+  if (arguments.scene.name.empty()) throw UsageError("--clips: name a character");
   const std::vector<std::string> formats = bake::formats_to_write(arguments.output);
   const scene::Scene scene = load(arguments.scene);
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr || !scene.characters.empty())
-    throw UsageError("--clips: " + arguments.scene.name + " is not one character; --clips is of one");
+    throw UsageError("--clips: " + arguments.scene.name + " is not a single character; --clips needs one");
   ManyBakes many{
       .output = arguments.folder.empty() ? fs::path("out") / scene.name : fs::path(arguments.folder),
       .devices = device_list(arguments.device),
@@ -256,7 +256,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (result.interrupted) {
     log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
                 std::to_string(scene::frame_count(prepared.scene)) +
-                "; the same command with --resume (and without --overwrite) goes on");
+                "; the same command with --resume (and without --overwrite) continues");
     return ExitCode::interrupted;
   }
   print_result(arguments, prepared.scene, prepared.built.model, prepared.simulation.device.description(),

@@ -119,14 +119,14 @@ void print_farm(const BatchArguments& arguments, const FarmBatch& batch) {
       {"jobs", count_text(batch.jobs.jobs.size())},
       {"tasks", count_text(batch.tasks.size()) + ", of at most " + std::to_string(most) +
                     (most == 1 ? " job" : " jobs")},
-      {"each asks for", std::to_string(batch.threads) + (batch.threads == 1 ? " core" : " cores") +
+      {"each requests", std::to_string(batch.threads) + (batch.threads == 1 ? " core" : " cores") +
                             (batch.is_gpu ? ", a GPU" : "") + " and " + bytes_text(batch.memory)},
       {"bakes go to", batch.jobs.output.string()}};
   if (arguments.emit == "slurm") {
-    rows.insert(rows.begin() + 3, {"its time limit", duration_text(batch.seconds)});
+    rows.insert(rows.begin() + 3, {"time limit", duration_text(batch.seconds)});
     if (!arguments.submit)
-      rows.emplace_back("hand it over", shell_word((fs::path(arguments.output) / "submit").string()));
-    rows.emplace_back("how it stands", "fascicle batch status " + shell_word(arguments.output));
+      rows.emplace_back("submit with", shell_word((fs::path(arguments.output) / "submit").string()));
+    rows.emplace_back("status", "fascicle batch status " + shell_word(arguments.output));
   }
   std::cout << (arguments.many.dry_run ? "dry run: nothing is written\n" : "wrote " + arguments.output + "\n")
             << columns_text(rows);
@@ -135,14 +135,14 @@ void print_farm(const BatchArguments& arguments, const FarmBatch& batch) {
 ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
   if (arguments.output.empty())
     throw UsageError(arguments.emit == "slurm"
-                         ? "--emit slurm: say into which folder, as in -o job"
-                         : "--emit openjd: say into which file, as in -o template.json");
+                         ? "--emit slurm: give the folder to write, as in -o job"
+                         : "--emit openjd: give the file to write, as in -o template.json");
   FarmBatch batch = farm_batch(arguments);
   const fs::path written = (fs::absolute(arguments.output) / "").lexically_normal().parent_path();
   const bool is_slurm = arguments.emit == "slurm";
   if (is_slurm && was_submitted(written) && !arguments.many.resume)
     throw UsageError(arguments.output +
-                     ": was handed to Slurm already; --resume writes it again, for what is not done then");
+                     ": was already submitted to Slurm; --resume rewrites it for what is not done");
   std::vector<FarmJob> jobs;
   for (const scene::Job& job : batch.jobs.jobs) {
     jobs.push_back({bake_of(job).model, check(job)});

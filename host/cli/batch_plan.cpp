@@ -29,7 +29,7 @@ BatchPlan read_plan(const fs::path& folder) {
     return plan;
   } catch (const PlanJson::exception&) {
     throw base::BakeError((folder / plan_file).string() +
-                          ": is damaged; name the list of jobs in place of the folder");
+                          ": is damaged; give the list of jobs instead of the folder");
   }
 }
 
@@ -49,8 +49,8 @@ BatchPlan find_plan(const fs::path& path) {
   if (fs::exists(path / plan_file)) return read_plan(path);
   std::optional<std::vector<SummaryRow>> known = read_batch_summary(path);
   if (!known)
-    throw base::BakeError(path.string() + ": holds neither " + scene::batch_summary + " nor " + plan_file +
-                          ", so no batch was begun there; name its list of jobs");
+    throw base::BakeError(path.string() + ": contains neither " + scene::batch_summary + " nor " + plan_file +
+                          ", so no batch was started there; give its list of jobs");
   BatchPlan plan{.output = path};
   for (const SummaryRow& row : *known)
     plan.jobs.push_back({row.job, row.scene, row.clip, row.set, row.formats});
@@ -98,7 +98,7 @@ std::vector<scene::Job> chosen_jobs(const std::vector<scene::Job>& jobs, const s
     throw UsageError("--job: there is no job \"" + word + "\" among the " + std::to_string(jobs.size()) +
                      (hint.empty() ? "; --dry-run lists them" : hint));
   }
-  if (chosen.empty()) throw UsageError("--job: names no job");
+  if (chosen.empty()) throw UsageError("--job: no job given");
   return chosen;
 }
 

@@ -99,7 +99,7 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
   } else if (has_begun) {
     // The process was killed, or its host went down, so nothing was recorded.
     row.status = "cut off";
-    state.text = row.status + at + "; --resume goes on";
+    state.text = row.status + at + "; --resume continues";
   } else {
     row.status = state.text = "not begun";
   }

@@ -17,7 +17,7 @@ using SummaryJson = nlohmann::ordered_json;
 
 base::BakeError damaged(const std::filesystem::path& output) {
   return base::BakeError((output / scene::batch_summary).string() +
-                         ": is damaged; name the list of jobs in place of the folder");
+                         ": is damaged; give the list of jobs instead of the folder");
 }
 
 }  // namespace

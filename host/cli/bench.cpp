@@ -161,7 +161,7 @@ class Bench {
             cpu_reference::make_cpu_solver(body.model, body.options, 0, cpu_reference::Simd::scalar);
         if (!ends_alike(*solver, *scalar, body.model)) {
           std::cout << device.label()
-                    << ": other bits than the scalar stages, not timed; see fascicle validate\n";
+                    << ": results differ from the scalar stages, so it is not timed; see fascicle validate\n";
           return false;
         }
         BenchRow row;
@@ -210,7 +210,7 @@ class Bench {
            gpu::stage_times(*contestant.gpu, body.model, body.options, drive.drive()))
         row.stages[time.stage] = time.nanoseconds / row.vertices;
     } catch (const gpu::DeviceError& error) {
-      log_.warning(row.device + ": no times of stages: " + error.what());
+      log_.warning(row.device + ": the stages could not be timed: " + error.what());
     }
   }
 
@@ -221,7 +221,7 @@ class Bench {
       const double rate = gpu::copy_rate(*contestant.gpu) * 1e-9;
       results_.copy[device] = std::max(results_.copy[device], rate);
     } catch (const gpu::DeviceError& error) {
-      log_.warning(device + ": no rate of copies: " + error.what());
+      log_.warning(device + ": the copy rate could not be measured: " + error.what());
     }
   }
 
@@ -238,8 +238,8 @@ class Bench {
     constexpr std::uint32_t most = 150000;
     if (!has_peer_program() || vertices > most) {
       log_.info(has_peer_program()
-                    ? "bench: too many vertices for Bullet"
-                    : "bench: without Bullet (fascicle-bench-bullet is not beside fascicle; ./do "
+                    ? "bench: skipping Bullet (too many vertices)"
+                    : "bench: skipping Bullet (fascicle-bench-bullet is not next to fascicle; ./do "
                       "bench builds it)");
       return peers;
     }

@@ -133,8 +133,8 @@ Convergence measure_convergence(
   const model::Model& model = built.model;
   if (!model.is_implicit())
     throw UsageError(
-        "--converged: with the explicit integrator substeps are a part of the stiffness, so that more "
-        "of them are another body; it measures implicit scenes (--set solver.integrator=implicit)");
+        "--converged: with the explicit integrator, more substeps also mean a stiffer body; use an "
+        "implicit scene (--set solver.integrator=implicit)");
   Convergence convergence;
   convergence.device = device.label();
   convergence.frames = frames;
@@ -143,11 +143,11 @@ Convergence measure_convergence(
   convergence.reference = reference_of(convergence.skins);
 
   const std::uint64_t solvers = convergence.skins.size() + 1;
-  on_frame("stepping what comes before frame 0", 0, solvers);
+  on_frame("stepping up to frame 0", 0, solvers);
   Stepped reference(scene, model, convergence.reference, device);
   std::vector<Stepped> stepped;
   for (const SteppedSkin& skin : convergence.skins) {
-    on_frame("stepping what comes before frame 0", stepped.size() + 1, solvers);
+    on_frame("stepping up to frame 0", stepped.size() + 1, solvers);
     stepped.emplace_back(scene, model, skin.steps, device);
   }
   const model::Read what{.positions = model.surface_count() == 0, .surface = model.surface_count() != 0};

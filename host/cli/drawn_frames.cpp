@@ -63,7 +63,7 @@ std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
   if (!skin_) {
     if (!fs::exists(character_))
       throw bake::BakeError(character_.string() +
-                            ": is not there; it holds the skinning to compare with; bake again");
+                            ": is missing; it holds the skinning to compare with; bake again");
     skin_.emplace(character_, model, bake_->fps());
   }
   return skin_->positions(k);

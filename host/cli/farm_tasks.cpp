@@ -73,7 +73,7 @@ void cut_into_tasks(FarmBatch& batch, const std::vector<FarmJob>& jobs, unsigned
     largest.seconds_frame = std::max(largest.seconds_frame, cost.seconds_frame);
   }
   if (is_on_cpu && batch.is_gpu)
-    log.info("this machine has no device " + batch.device + ": the time is measured on its CPU");
+    log.info("this machine has no device " + batch.device + "; measuring times on its CPU instead");
 
   std::map<std::string, std::size_t> open;  // by model: the task that takes its next job
   std::vector<double> seconds;              // per task
@@ -104,7 +104,7 @@ void refuse_control_characters(const std::string& what, const std::string& text)
                                      [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; });
   if (!is_plain)
     throw UsageError(what +
-                     ": has a control character, such as the end of a line, which no script can hold; "
+                     ": contains a control character, such as a newline, which a script cannot hold; "
                      "give it another name");
 }
 

@@ -182,7 +182,7 @@ class Batch {
       if (!asked_.overwrite && !asked_.resume && bake::holds_bake(folder_of(job)))
         throw bake::FolderInUse(folder_of(job).string() +
                                 ": holds a bake; --resume bakes what is not done, --overwrite "
-                                "bakes all again");
+                                "bakes everything again");
     }
   }
 
@@ -217,7 +217,7 @@ class Batch {
       keep_record(job, {.device = slot.device.label, .status = {}});
       try {
         slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
-        log_.detail(job.name + " begins on " + slot.device.label);
+        log_.detail(job.name + " starts on " + slot.device.label);
       } catch (const std::system_error& error) {
         end_job(slot.job, {.device = slot.device.label,
                            .status = static_cast<int>(ExitCode::unforeseen),
@@ -291,10 +291,10 @@ class Batch {
     const bool was_off = failures_.is_off(label);
     failures_.add(slot.job, label, slot.start, cannot_run);
     if (!failures_.has_a_device(slot.job)) return false;
-    const std::string what = "on " + label + ": " + outcome.error + "; it goes to another device";
+    const std::string what = "on " + label + ": " + outcome.error + "; retrying on another device";
     log_.warning(asked_.bakes[slot.job].name + " " + what);
     if (failures_.is_off(label) && !was_off)
-      log_.warning(label + " failed two bakes in a row and gets no more");
+      log_.warning(label + " failed two bakes in a row and is not used again");
     tries_[slot.job].push_back(what);
     outcomes_[slot.job] = outcome;
     waiting_.push_front(slot.job);
@@ -324,9 +324,9 @@ class Batch {
                       .warnings = slot.bake->warnings()};
       if (*outcome.status >= of_signal && outcome.error.empty())
         outcome.error =
-            "its process was ended by signal " + std::to_string(*outcome.status - of_signal) + " (" +
+            "its process was killed by signal " + std::to_string(*outcome.status - of_signal) + " (" +
             strsignal(*outcome.status - of_signal) + ")" +
-            (*outcome.status == of_signal + SIGKILL ? "; perhaps for want of memory: fewer --at-once" : "");
+            (*outcome.status == of_signal + SIGKILL ? "; if memory ran out, lower --at-once" : "");
       // If a bake was rejected, the folder may hold an older one.
       if (word_of(outcome) != "failed") outcome.hash = last_hash(folder_of(asked_.bakes[slot.job]));
       const bool is_begun = slot.bake->frames() > 0;
@@ -369,7 +369,7 @@ class Batch {
                        {name_of_this_host(), static_cast<long>(::getpid()), outcome.device, outcome.status,
                         outcome.error, outcome.warnings});
     } catch (const std::system_error& error) {
-      log_.warning(job.name + ": its record cannot be kept: " + error.what());
+      log_.warning(job.name + ": its record cannot be written: " + error.what());
     }
   }
 
@@ -451,9 +451,9 @@ class Batch {
                                       [](const Outcome& outcome) { return word_of(outcome) == "done"; });
     if (!interrupted && are_done) return ExitCode::done;
     log_.warning(asked_.overwrite
-                     ? "interrupted; the same command with --resume (and without --overwrite) goes on with "
-                       "what was begun, --overwrite starts all again"
-                     : "interrupted; the same command with --resume goes on");
+                     ? "interrupted; the same command with --resume (and without --overwrite) continues, "
+                       "with --overwrite it starts again"
+                     : "interrupted; the same command with --resume continues");
     return ExitCode::interrupted;
   }
 

@@ -54,7 +54,7 @@ TemplateJson bake_step(const FarmBatch& batch, const std::string& name, std::siz
     if (jobs.size() > longest_parameter)
       throw UsageError(
           "--group: the names of a task's jobs are longer than the 1,024 characters of a parameter; "
-          "ask for fewer");
+          "use a smaller --group");
     range.push_back(jobs);
   }
   const TemplateJson linux_host{{"name", "attr.worker.os.family"}, {"anyOf", TemplateJson::array({"linux"})}};
@@ -73,7 +73,7 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
   const std::string extension = base::lower_extension(file);
   const bool is_yaml = extension == ".yaml" || extension == ".yml";
   if (!is_yaml && extension != ".json")
-    throw UsageError("-o: " + file.string() + ": a template is called .json or .yaml");
+    throw UsageError("-o: " + file.string() + ": a template ends in .json or .yaml");
   std::string name = "fascicle " + batch.list.stem().string();
   name.resize(std::min(name.size(), longest_job_name));
   // The name is a format string too.
@@ -95,7 +95,7 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
       {"name", name},
       {"description",
        "Bakes of fascicle, written by `fascicle batch --emit openjd`. A task that was canceled or "
-       "failed goes on where it is run again."},
+       "failed continues when it is run again."},
       {"parameterDefinitions",
        TemplateJson::array(
            {path_parameter("Fascicle", "FILE", "NONE", "The program, on the workers", batch.program),
@@ -104,13 +104,13 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
             {{"name", "Device"},
              {"type", "STRING"},
              {"default", batch.device},
-             {"description", "As fascicle's --device takes it; the bits are the same on all"}},
+             {"description", "As for fascicle's --device; all give the same bits"}},
             {{"name", "Threads"},
              {"type", "INT"},
              {"default", batch.threads},
              {"minValue", 1},
              {"maxValue", 1024},
-             {"description", "Of a bake on a CPU"}}})},
+             {"description", "For a bake on a CPU"}}})},
       {"steps", steps}};
   const std::string head =
       is_yaml

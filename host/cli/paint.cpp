@@ -26,10 +26,11 @@ struct PaintArguments {
 void refuse_output(const PaintArguments& arguments) {
   const fs::path path(arguments.output);
   if (base::lower_extension(path) != ".glb")
-    throw UsageError("-o " + arguments.output + ": a painted character is a .glb; give a name that ends so");
+    throw UsageError("-o " + arguments.output +
+                     ": a painted character is a .glb; give a name that ends in .glb");
   if (fs::is_directory(path)) throw UsageError(arguments.output + ": is a folder; choose another -o");
   if (!arguments.overwrite && fs::exists(path))
-    throw UsageError(arguments.output + ": is there already; --overwrite replaces it, or choose another -o");
+    throw UsageError(arguments.output + ": already exists; --overwrite replaces it, or choose another -o");
   refuse_unwritable("-o", arguments.output);
 }
 
@@ -47,7 +48,7 @@ ExitCode write_painted(const PaintArguments& arguments, Log& log) try {
   std::vector<std::string> missing;
   base::write_whole(fs::absolute(arguments.output), formats::painted_glb(file, character, paint, missing));
   for (const std::string& image : missing)
-    log.warning(image + ": is not beside the character; a white pixel stands for it");
+    log.warning(image + ": not found next to the character; a white pixel replaces it");
   std::string painted;
   for (const rig::PaintedVertices& attribute : paint.attributes)
     painted += (painted.empty() ? "" : ", ") + attribute.name + " on " + count_text(attribute.vertex.size());

@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 void refuse_existing(const fs::path& path, bool overwrite) {
   if (fs::is_directory(path)) throw UsageError(path.string() + ": is a folder; choose another -o");
   if (!overwrite && fs::exists(path))
-    throw UsageError(path.string() + ": is there already; --overwrite replaces it, or choose another -o");
+    throw UsageError(path.string() + ": already exists; --overwrite replaces it, or choose another -o");
 }
 
 std::string frame_name(std::uint64_t frame) {
@@ -91,11 +91,10 @@ void choose_worst(const FrameScores& scores, std::uint64_t wanted, std::uint64_t
                   Log& log) {
   if (!scores.has_look)
     log.info(
-        "metrics.csv has no column look: the worst frames are those with most tetrahedra inside out beyond "
-        "skinning's, and among equals with the largest lag");
+        "metrics.csv has no column look: ranking frames by inverted tetrahedra beyond skinning's, "
+        "then by lag");
   plan.frames = worst_frames(scores, count, wanted, frames_apart(count, wanted));
-  if (plan.frames.empty())
-    throw bake::BakeError("metrics.csv: has no row of a frame; give --frame or --sheet");
+  if (plan.frames.empty()) throw bake::BakeError("metrics.csv: has no frames; give --frame or --sheet");
 }
 
 void choose_frames(const RenderArguments& arguments, const std::optional<FrameScores>& scores,
@@ -221,7 +220,7 @@ std::optional<FrameScores> scores_of(const RenderArguments& arguments, const Dra
   if (!frames.is_bake()) {
     if (arguments.compare || needs)
       throw UsageError(std::string(arguments.compare ? "--compare" : "--worst") +
-                       " is for bakes; give a bake's folder");
+                       " needs a bake; give a bake's folder");
     return std::nullopt;
   }
   if (!needs && !(arguments.compare && has_metrics(arguments.input.name))) return std::nullopt;
@@ -238,7 +237,7 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   const Artist artist(arguments, frames, holds_only_these ? plan.frames : std::vector<std::uint64_t>(),
                       plan.form == Plan::Form::sheet ? 384 : 960, log);
   if (arguments.mode == render::Mode::fibres && !artist.drawing().shows_fibres())
-    log.warning("no fibre runs through what is drawn; try --clip, or a scene whose layers have fibres");
+    log.warning("no fibres to draw; try --clip, or a scene whose layers have fibres");
 
   const std::atomic<bool>& interrupted = interrupts();
   Gallery gallery(arguments, frames, artist, scores, plan);

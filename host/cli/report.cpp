@@ -120,9 +120,9 @@ bool draw(const ReportArguments& arguments, Report& report, Log& log) {
   report.frame_count = frames.count();
   if (const std::uint64_t counted = report.manifest.position_hashes.size(); report.frame_count < counted)
     throw bake::BakeError((fs::path(arguments.bake) / bake::cache_name).string() + ": " +
-                          count_text(report.frame_count) + " frames are whole, and the manifest counts " +
+                          count_text(report.frame_count) + " frames are intact, but the manifest counts " +
                           count_text(counted) +
-                          "; fascicle verify says which are damaged; bake again with --overwrite");
+                          "; fascicle verify lists the damaged ones; bake again with --overwrite");
   report.has_skeleton = frames.model().has_skeleton();
   choose_frames(report);
   if (const std::string why = why_no_skinning(frames); why.empty())
@@ -157,7 +157,7 @@ ExitCode write_report(const ReportArguments& arguments, Log& log) {
   if (fs::is_directory(arguments.output))
     throw UsageError("-o " + arguments.output + ": is a folder; give the page a name, as in report.html");
   if (!arguments.overwrite && fs::exists(arguments.output))
-    throw UsageError(arguments.output + ": is there already; --overwrite replaces it, or choose another -o");
+    throw UsageError(arguments.output + ": already exists; --overwrite replaces it, or choose another -o");
   refuse_unwritable("-o", arguments.output);
   Report report;
   report.folder = arguments.bake;

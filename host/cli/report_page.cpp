@@ -207,7 +207,7 @@ void write_stills(Writer& page, const Report& report) {
 
 void write_warnings(Writer& page, const Report& report) {
   page::open_section(page, "warnings", "Warnings and worst frames");
-  if (report.warnings.empty()) page.element("p", "The bake gave no warning.");
+  if (report.warnings.empty()) page.element("p", "The bake gave no warnings.");
   page.start("ul", {{"class", "notes"}});
   for (const ReportWarning& warning : report.warnings) {
     page.start("li").element("p", warning.text);
@@ -222,7 +222,7 @@ void write_warnings(Writer& page, const Report& report) {
   page.close();
   if (!report.worst.empty()) {
     page.element("h3", "The frames that look worst");
-    page.element("p", "Look is measured beside skinning alone. Above 1 a viewer would object.",
+    page.element("p", "Look compares a frame with skinning alone. Above 1, a viewer would object.",
                  {{"class", "soft"}});
     write_frames(page, report, report.worst);
   }
@@ -259,7 +259,7 @@ void write_curves(Writer& page, const Report& report) {
   const MetricsTable& metrics = report.metrics;
   const std::vector<double>* time = metrics.find("time");
   if (time == nullptr || time->empty()) {
-    page.element("p", "There is no metrics.csv with a row in the folder.").close();
+    page.element("p", "metrics.csv is missing or has no rows.").close();
     return;
   }
   page.start("div", {{"class", "plots"}});
@@ -279,10 +279,10 @@ void write_curves(Writer& page, const Report& report) {
   std::vector<page::Series> volumes = series_named(metrics, {{"volume_ratio", "whole body"}}, 100.0);
   for (page::Series& layer : series_of(metrics, bake::volume_ratio_column, 100.0))
     volumes.push_back(std::move(layer));
-  draw("Volume of its rest volume", "volume, %", std::move(volumes), std::nullopt, false);
-  draw("Tetrahedra inside out", "tetrahedra",
+  draw("Volume relative to rest", "volume, %", std::move(volumes), std::nullopt, false);
+  draw("Inverted tetrahedra", "tetrahedra",
        series_named(metrics, {{"inverted", "flesh"}, {"inverted_skinned", "skinning alone"}}, 1.0));
-  draw("Flesh that lies in flesh", "volume, cm3",
+  draw("Overlapping flesh", "volume, cm3",
        series_named(metrics, {{"contact_volume", "flesh"}, {"contact_volume_skinned", "skinning alone"}},
                     1e6));
   page.close();
@@ -311,20 +311,20 @@ void write_body(Writer& page, const Report& report, const Json& manifest) {
     };
     show(rest.before, rest.skin.open_edges > 0 ? "Before: the skin of the file; its open edges are red"
                                                : "Before: the skin of the file, without open edges");
-    show(rest.after, "After: the body of tetrahedra that moves");
-    show(rest.cut, "The body cut open, its layers by their colours");
+    show(rest.after, "After: the simulated body of tetrahedra");
+    show(rest.cut, "The body cut open, coloured by layer");
     page.close();
     page::swatches(page, rest.layers);
     page::table(page,
-                {{"What is counted", "Skin, before", "Body, after"},
-                 {"Vertices of the surface", count(rest.skin.vertices), count(rest.body.vertices)},
+                {{"Count", "Skin, before", "Body, after"},
+                 {"Surface vertices", count(rest.skin.vertices), count(rest.body.vertices)},
                  {"Triangles", count(rest.skin.triangles), count(rest.body.triangles)},
                  {"Open edges", count(rest.skin.open_edges), count(rest.body.open_edges)},
-                 {"Parts that nothing connects", count(rest.skin.parts), count(rest.body.parts)}},
+                 {"Separate parts", count(rest.skin.parts), count(rest.body.parts)}},
                 1);
   }
   if (const Json& ends = at(manifest, {"open_ends"}); ends.is_array() && !ends.empty()) {
-    std::vector<std::vector<std::string>> table{{"Open end at joint", "What became of it", "Width", "Edges"}};
+    std::vector<std::vector<std::string>> table{{"Open end at joint", "Treatment", "Width", "Edges"}};
     for (const Json& end : ends) {
       if (table.size() > most_rows) break;
       const auto width = number_at(end, {"width_m"});
@@ -349,7 +349,7 @@ void write_timing(Writer& page, const Report& report) {
   page::bars(page, "Seconds; the line is real time",
              {{"the motion itself", number_text(clip) + " s", clip},
               {"solver", duration_text(timings.solver), timings.solver},
-              {"writing, beside it", duration_text(timings.writing), timings.writing},
+              {"writing, in parallel", duration_text(timings.writing), timings.writing},
               {"whole bake", duration_text(timings.total), timings.total}},
              clip);
   page.close();
@@ -394,7 +394,7 @@ void write_parameters(Writer& page, const Json& manifest) {
   if (const Json& scene = at(manifest, {"scene"}); scene.is_object())
     for (const auto& [key, value] : scene.items())
       if (key != "text") add_leaves(value, key, most_levels, rows);
-  page.start("details", {{"class", "code"}}).element("summary", "Every key of the scene as it was used");
+  page.start("details", {{"class", "code"}}).element("summary", "Every scene key, as used");
   page::rows(page, rows);
   page.close();
   if (const Json& text = at(manifest, {"scene", "text"}); text.is_string()) {
@@ -424,7 +424,7 @@ void write_provenance(Writer& page, const Report& report, const Json& manifest) 
             {"Device", report.manifest.device},
             {"Driver", text_at(manifest, {"device", "driver"})},
             {"Exact", at(manifest, {"device", "exact"}) == Json(true)
-                          ? "yes: its results have the same bits everywhere"
+                          ? "yes: the same bits as on every exact device"
                           : "no"},
             {"Threads", text_at(manifest, {"device", "threads"})},
             {"Hash of the model", text_at(manifest, {"model", "hash"})},
@@ -461,7 +461,7 @@ std::string report_page(const Report& report, const Json& manifest) {
   write_parameters(page, manifest);
   write_provenance(page, report, manifest);
   return page::finish(std::move(page), std::string("Written by fascicle ") + base::fascicle_version +
-                                           ". This page holds all that it shows and loads nothing.");
+                                           ". This page is self-contained and loads nothing.");
 }
 
 }  // namespace fascicle::cli

@@ -42,7 +42,7 @@ std::string usage_text(const CLI::ParseError& error, const CLI::App& app, int ar
   for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(subcommand->get_name());
   const std::string hint = base::nearest_name_hint(argv[1], names);
-  return "there is no command \"" + std::string(argv[1]) + "\"" + hint + (hint.empty() ? "; see" : " See") +
+  return "unknown command \"" + std::string(argv[1]) + "\"" + hint + (hint.empty() ? "; see" : " See") +
          " fascicle --help";
 }
 
@@ -60,7 +60,7 @@ ExitCode run_command(const Command& command, Log& log) {
     return code;
   } catch (const build::Cancelled&) {
     log.clear_bar();
-    log.warning("interrupted while the model was built; the same command begins again");
+    log.warning("interrupted while building the model; run the same command to start again");
     return ExitCode::interrupted;
   } catch (const UsageError& error) {
     return report(log, error.what(), ExitCode::bad_usage);
@@ -137,7 +137,7 @@ int run(int argc, const char* const* argv) {
   if (!command.watches_interrupts) {
     let_interrupts_end_the_process();
   } else if (interrupts()) {
-    log.warning("interrupted before anything was begun");
+    log.warning("interrupted before anything was started");
     return static_cast<int>(ExitCode::interrupted);
   } else {
     end_at_once_until_asked();

@@ -27,7 +27,7 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
       "# Bakes of fascicle, written by `fascicle batch --emit slurm`: " +
       count + (batch.jobs.jobs.size() == 1 ? " job" : " jobs") + " in an array of " +
       std::to_string(batch.tasks.size()) + (batch.tasks.size() == 1 ? " task.\n" : " tasks.\n") +
-      "# `submit`, beside this file, hands it over; `fascicle batch status` shows what became of each job.\n";
+      "# The script `submit` next to this file submits it; `fascicle batch status` shows each job.\n";
   text += directive("--job-name=fascicle");
   text += directive("--array=1-" + std::to_string(batch.tasks.size()) +
                     (batch.at_once > 0 ? "%" + std::to_string(batch.at_once) : ""));
@@ -42,7 +42,8 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
   if (!options.empty()) text += directive(options);
   text += "\nfascicle=" + in_quotes(batch.program.string()) + "\nlist=" + in_quotes(batch.list.string()) +
           "\noutput=" + in_quotes(batch.jobs.output.string()) + "\nfolder=" + in_quotes(folder.string()) +
-          "\n# Scenes may be named from here.\ncd " + in_quotes(batch.here.string()) + " || exit 1\n";
+          "\n# Paths of scenes may be relative to this folder.\ncd " + in_quotes(batch.here.string()) +
+          " || exit 1\n";
   text +=
       "task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
       "jobs=$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" \"$folder/tasks\")\n"
@@ -51,9 +52,8 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
       shell_word(batch.device) + " --threads " + std::to_string(batch.threads) +
       " \\\n  --at-once 1 --resume &\n"
       "bake=$!\n"
-      "# Slurm warns this shell alone two minutes before the limit, and all processes where it takes the "
-      "node\n"
-      "# away. The bake ends its frame; a second signal would end it at once.\n"
+      "# Two minutes before the limit Slurm signals this shell only; if it takes the node away, it signals\n"
+      "# all processes. The bake finishes its frame; a second signal would end it at once.\n"
       "warned=\n"
       "trap 'warned=1; kill -TERM \"$bake\"; trap \"warned=1\" TERM' TERM\n"
       "wait \"$bake\"\n"
@@ -65,9 +65,8 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
       "  status=$?\n"
       "done\n"
       "\n"
-      "# 75: cut short, and the same command goes on. Slurm itself queues again what it has taken a node "
-      "from, and\n"
-      "# never what its user cancelled; here goes what its time limit ended.\n"
+      "# 75: interrupted; the same command continues. Slurm itself requeues jobs that lost their node, and\n"
+      "# never those that their user cancelled; this requeues jobs that reached their time limit.\n"
       "if [ \"$status\" -eq 75 ] && [ \"${SLURM_RESTART_COUNT:-0}\" -lt 100 ] &&\n"
       "  [ \"$(squeue --noheader --jobs=\"$task\" --format=%T)\" = RUNNING ]; then\n"
       "  scontrol requeue \"$task\" && exit 0\n"
@@ -79,8 +78,8 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
 std::string merge_script(const fs::path& folder, const FarmBatch& batch, const std::string& options) {
   std::string text =
       "#!/bin/bash\n"
-      "# After the bakes of array.sbatch, whatever became of them: writes batch.json beside the bakes, and\n"
-      "# report.txt here. Its exit status is that of the first bake that failed.\n";
+      "# Runs after the bakes of array.sbatch, even if some failed: writes batch.json next to the bakes\n"
+      "# and report.txt here. Its exit status is that of the first bake that failed.\n";
   text += directive("--job-name=fascicle-merge");
   text += directive("--mem=256M");
   text += directive("--time=10");
@@ -100,8 +99,7 @@ std::string log_option(const fs::path& folder, const std::string& name) {
 
 std::string submit_text(const fs::path& folder) {
   return "#!/bin/sh\n"
-         "# Hands the bakes of array.sbatch to Slurm, and their merge after them; `submitted` keeps their "
-         "numbers.\n"
+         "# Submits the bakes of array.sbatch to Slurm, and then their merge; `submitted` has the job ids.\n"
          "set -eu\ncd " +
          in_quotes(folder.string()) +
          "\nmkdir -p log\n"
@@ -115,7 +113,7 @@ std::string submit_text(const fs::path& folder) {
          "--dependency=\"afterany:$array\" merge.sbatch)\n"
          "merge=${merge%%;*}\n"
          "echo \"merge $merge\" >> submitted\n"
-         "echo \"handed to Slurm: array $array, merge $merge\"\n";
+         "echo \"submitted to Slurm: array $array, merge $merge\"\n";
 }
 
 }  // namespace
@@ -146,10 +144,10 @@ void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::
 void submit_slurm_job(const fs::path& folder) {
   const std::string script = (folder / submit_script).string();
   if (std::system("command -v sbatch >/dev/null 2>&1") != 0)
-    throw std::runtime_error("--submit: there is no sbatch here; run " + script + " where Slurm is");
+    throw std::runtime_error("--submit: sbatch was not found; run " + script + " on a machine with Slurm");
   if (std::system(("sh " + in_quotes(script)).c_str()) != 0)
-    throw std::runtime_error(
-        "--submit: Slurm did not take it; what it said is above. Once that is mended, run " + script);
+    throw std::runtime_error("--submit: Slurm rejected it, for the reason above. Fix that, then run " +
+                             script);
 }
 
 }  // namespace fascicle::cli

@@ -105,16 +105,14 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
   std::vector<fs::path> beside;
   for (const std::string& folder : arguments.beside) {
     if (!bake::holds_bake(folder))
-      throw bake::BakeError(folder + ": holds no bake; --beside takes the folder of one");
+      throw bake::BakeError(folder + ": holds no bake; --beside takes a bake's folder");
     beside.emplace_back(folder);
   }
   if (fs::is_directory(input, none)) {
     if (!bake::holds_bake(input))
-      throw bake::BakeError(input.string() +
-                            ": holds no bake; give the folder of one, a scene or a character");
+      throw bake::BakeError(input.string() + ": holds no bake; give a bake's folder, a scene or a character");
     if (scene::has_overrides(arguments.scene.overrides))
-      throw UsageError(
-          "a bake's frames cannot be changed; leave options of the scene out, or open its scene");
+      throw UsageError("a bake's frames cannot be changed; leave out the scene options, or open its scene");
     return std::make_unique<studio::Session>(input, std::move(beside), say);
   }
   const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
@@ -134,15 +132,14 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
 
 ExitCode run_studio(const StudioArguments& arguments, Log& log) {
   const std::atomic<bool>& interrupted = interrupts();
-  log.info("reads and builds what is to be shown; its address comes when it stands");
+  log.info("loading and building; the address follows when the studio is ready");
   const std::unique_ptr<studio::Session> session = open_session(arguments, log);
   std::unique_ptr<WayToAddress> way;
   const auto ready = [&](const std::string& address) {
     std::cout << address << std::endl;
     if (arguments.headless) return;
-    log.info("the studio of " + shown_text(session->name()) +
-             (session->is_restored() ? ", as it was left" : "") +
-             "; it ends with Ctrl-C, and what was changed stays");
+    log.info("studio of " + shown_text(session->name()) + (session->is_restored() ? ", as it was left" : "") +
+             "; Ctrl-C ends it, and changes are kept");
     way = open_browser(address, session->folder(), log);
   };
   try {

@@ -133,9 +133,9 @@ std::string difference_text(const model::Difference& difference, const Compariso
 void print_comparison(const Comparison& comparison, const model::Model& model) {
   const std::string pair = comparison.a + " and " + comparison.b + ": ";
   if (!comparison.exact) {
-    std::cout << pair
-              << "not both exact, so held to a tolerance: " << (comparison.holds() ? "within" : "NOT within")
-              << ", " << distance_text(comparison.distance, comparison.relative) << "\n";
+    std::cout << pair << "not both exact, so compared within a tolerance: "
+              << (comparison.holds() ? "within" : "NOT within") << ", "
+              << distance_text(comparison.distance, comparison.relative) << "\n";
     return;
   }
   if (comparison.holds()) {
@@ -171,7 +171,7 @@ void print_text(const model::Model& model, const Validation& validation) {
               << " over " << count_text(validation.oracle_frames)
               << " frames: " << distance_text(comparison.distance, comparison.relative) << "\n";
   if (!validation.oracle.empty())
-    std::cout << "  (the bound: float rounding, 6e-8 of the body a substep, is amplified where a region's "
+    std::cout << "  (the bound: float rounding, 6e-8 of the body per substep, is amplified where a region's "
                  "rotation is ill\n"
                  "  conditioned; the paper's bars stay below 3e-5, fine uneven meshes reached 1e-4; a wrong "
                  "formula\n"

@@ -14,7 +14,7 @@ using Table = std::vector<std::vector<std::string>>;
 
 std::string footer() {
   return std::string("Written by fascicle ") + base::fascicle_version + ", solver version " +
-         std::to_string(base::solver_version) + ". This page holds all that it shows and loads nothing.";
+         std::to_string(base::solver_version) + ". This page is self-contained and loads nothing.";
 }
 
 std::string apart_text(double metres) {
@@ -56,7 +56,7 @@ std::string finding_of(const Comparison& comparison) {
 void write_comparisons(Writer& page, const Validation& validation) {
   if (validation.comparisons.empty()) return;
   page::open_section(page, "comparisons", "Device against device");
-  Table table{{"First", "Second", "Compared by", "Result", "What was found", "Values compared"}};
+  Table table{{"First", "Second", "Compared by", "Result", "Finding", "Values compared"}};
   for (const Comparison& comparison : validation.comparisons)
     table.push_back({comparison.a, comparison.b, comparison.exact ? "bits" : "tolerance",
                      comparison.holds() ? "holds" : "DIFFERENT", finding_of(comparison),

@@ -47,16 +47,15 @@ ExitCode verify(const VerifyArguments& arguments, Log& log) {
                          }});
   log.clear_bar();
   if (result.interrupted) {
-    log.warning("interrupted; not all was read");
+    log.warning("interrupted; not everything was checked");
     return ExitCode::interrupted;
   }
   arguments.json ? print_json(result) : print_text(result);
   if (!result.is_good())
     throw base::BakeError(arguments.bake +
-                          ": not all of the bake is as it was written; bake again with --overwrite");
+                          ": the bake is damaged or incomplete; bake again with --overwrite");
   if (!arguments.json)
-    std::cout << arguments.bake << ": all that is there is as it was written; the bake is " << result.status
-              << "\n";
+    std::cout << arguments.bake << ": all files present are intact; the bake is " << result.status << "\n";
   return ExitCode::done;
 }
 

@@ -33,7 +33,7 @@ void refuse_output(const ViewArguments& arguments) {
     throw UsageError("-o " + arguments.output + ": a page is HTML; give a name that ends in .html");
   if (fs::is_directory(path)) throw UsageError(arguments.output + ": is a folder; choose another -o");
   if (!arguments.overwrite && fs::exists(path))
-    throw UsageError(arguments.output + ": is there already; --overwrite replaces it, or choose another -o");
+    throw UsageError(arguments.output + ": already exists; --overwrite replaces it, or choose another -o");
   refuse_unwritable("-o", arguments.output);
 }
 

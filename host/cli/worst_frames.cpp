@@ -32,9 +32,9 @@ FrameScores read_frame_scores(const fs::path& folder) {
   std::istringstream file(base::read_input_if_there(path, base::most_metrics_bytes).value_or(""));
   std::string line;
   if (!std::getline(file, line))
-    throw bake::BakeError(path.string() +
-                          ": is not there or empty; without it nothing tells which frames are "
-                          "worst: give --frame or --sheet, or bake again");
+    throw bake::BakeError(
+        path.string() +
+        ": missing or empty, so the worst frames are unknown; give --frame or --sheet, or bake again");
   const std::vector<std::string> columns = base::csv_fields(line);
   if (columns.front() != "frame")
     throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");

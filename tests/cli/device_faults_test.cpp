@@ -147,7 +147,7 @@ TEST_F(DeviceFaults, WhatIsOverwrittenIsNotGoneOnWith) {
   expect_same("batch/one");
   const json job = json::parse(read_text(folder / "batch/batch.json")).at("jobs").at(0);
   EXPECT_EQ(job.at("device"), "cpu");
-  EXPECT_TRUE(contains(job.at("warnings").dump(), "it goes to another device")) << job.dump();
+  EXPECT_TRUE(contains(job.at("warnings").dump(), "retrying on another device")) << job.dump();
 }
 
 TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
@@ -162,7 +162,7 @@ TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
       fascicle({"batch", folder / "jobs.toml", "--device", "vulkan:0,cpu", "--at-once", "1"},
                layer(std::to_string(calls * 3 / 4) + " -4"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(contains(outcome.err, "goes to another device")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "retrying on another device")) << outcome.err;
   const json jobs = json::parse(read_text(folder / "batch/batch.json")).at("jobs");
   ASSERT_EQ(jobs.size(), 3u);
   for (const json& job : jobs) {

@@ -174,8 +174,8 @@ TEST_F(RenderCompare, WrongUseIsOneClearMessage) {
   expect_refused(render({"-o", sheet_, "--worst", "2", "--frame", "1"}), 2, "leave out --frame");
   expect_refused(render({"-o", sheet_, "--worst", "2", "--sheet", "2x1"}), 2, "leave out --sheet");
   expect_refused(render({"-o", folder_ / "frames", "--worst", "2"}), 2, ".png");
-  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--compare"}), 2, "--compare is for bakes");
-  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--worst", "3"}), 2, "--worst is for bakes");
+  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--compare"}), 2, "--compare needs a bake");
+  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--worst", "3"}), 2, "--worst needs a bake");
   fs::remove(fs::path(bake_) / "metrics.csv");
   expect_refused(render({"-o", sheet_, "--compare"}), 3, "metrics.csv");
   fs::remove(fs::path(bake_) / "character.glb");

@@ -199,7 +199,7 @@ TEST_F(ReportPage, ShowsTheBodyBesideSkinning) {
   // The arm is one closed part, before and after.
   const std::string table = text_of(page.select_node("//section[@id='body']//table").node());
   EXPECT_TRUE(contains(table, "Open edges00")) << table;
-  EXPECT_TRUE(contains(table, "Parts that nothing connects11")) << table;
+  EXPECT_TRUE(contains(table, "Separate parts11")) << table;
 }
 
 TEST_F(ReportPage, WarningsHaveTheirFrame) {
@@ -303,7 +303,7 @@ TEST_F(ReportPage, WhatIsMissingIsSaid) {
   const pugi::xml_document page = good_page();
   const std::string text = text_of(page.document_element());
   EXPECT_TRUE(contains(text, "Skinning alone is not shown: ")) << text.substr(0, 600);
-  EXPECT_TRUE(contains(text, "There is no metrics.csv"));
+  EXPECT_TRUE(contains(text, "metrics.csv is missing"));
   EXPECT_EQ(page.select_nodes("//section[@id='stills']//img").size(), 6u);
 }
 

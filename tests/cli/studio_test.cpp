@@ -124,7 +124,7 @@ TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {
   const Outcome nothing_beside = fascicle(
       {"studio", "bar-beta-1", "--headless", "--beside", folder.path().string(), "-o", folder / "session"});
   EXPECT_EQ(nothing_beside.status, 3);
-  EXPECT_TRUE(contains(nothing_beside.err, "--beside takes the folder of one")) << nothing_beside.err;
+  EXPECT_TRUE(contains(nothing_beside.err, "--beside takes a bake's folder")) << nothing_beside.err;
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--port", "65536"}).status, 2);
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--device", "cuda"}).status, 2);
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "-o", "/proc/nowhere"}).status, 3);
