@@ -151,8 +151,8 @@ class Taker {
     for (const auto& [name, given] : given_) {
       if (!given.used) throw BadArgument("there is no array \"" + name + "\" in a model");
       if (given.taken != given.array.count)
-        throw BadArgument("array \"" + name + "\" has " + std::to_string(given.array.count) +
-                          " items; of them " + std::to_string(given.taken) + " were needed");
+        throw BadArgument("array \"" + name + "\" has " + std::to_string(given.array.count) + " items, but " +
+                          std::to_string(given.taken) + " were needed");
     }
   }
 

@@ -37,7 +37,7 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
                                      std::pair("glb_tolerance", request.output.glb.tolerance),
                                      std::pair("glb_compress", request.output.glb.compress)})
     if (length && !(*length >= 0.0 && std::isfinite(*length)))
-      throw BadArgument(std::string("options.") + name + " is no length; give metres, or NaN for none");
+      throw BadArgument(std::string("options.") + name + " is not a length; give metres, or NaN for none");
   if (options.first_frame >= 0) request.output.first_number = static_cast<std::uint64_t>(options.first_frame);
   if (options.overwrite != 0 && options.resume != 0)
     throw BadArgument("options.overwrite and options.resume exclude each other; set one");
@@ -103,7 +103,7 @@ fascicle_status fascicle_bake_run(const fascicle_scene* scene, const fascicle_ba
     if (interrupted)
       throw api::Cancelled("cancelled after frame " + std::to_string(done) + " of " +
                            std::to_string(scene::frame_count(prepared->scene)) +
-                           "; the same bake with options.resume goes on");
+                           "; the same bake with options.resume continues");
   });
 }
 

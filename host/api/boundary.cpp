@@ -121,7 +121,7 @@ const char* fascicle_status_text(fascicle_status status) {
     case FASCICLE_DEVICE_FAILED:
       return "a device failed";
     case FASCICLE_NOT_FINITE:
-      return "the simulation left the finite numbers";
+      return "positions are no longer finite";
     case FASCICLE_CANCELLED:
       return "cancelled";
   }

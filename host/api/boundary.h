@@ -74,7 +74,7 @@ Options taken(const Options* given, void (*init)(Options*, std::size_t), const c
   if (given->struct_size < sizeof(std::size_t) || given->struct_size > sizeof options)
     throw BadArgument(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) +
                       ", and this library knows at most " + std::to_string(sizeof options) +
-                      "; make it by its _default(), with headers no newer than the library");
+                      "; initialise it with its _default(), from headers no newer than the library");
   std::memcpy(&options, given, given->struct_size);
   options.struct_size = sizeof options;
   return options;

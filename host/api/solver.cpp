@@ -18,7 +18,8 @@ using Driven = fascicle_solver::Driven;
 
 const scene::Scene& scene_of(const fascicle_solver& solver) {
   if (!solver.body->scene)
-    throw BadArgument("the model was made of arrays and has no scene; step it by fascicle_solver_step_drive");
+    throw BadArgument(
+        "the model was made from arrays and has no scene; step it with fascicle_solver_step_drive");
   return *solver.body->scene;
 }
 
@@ -81,7 +82,7 @@ drive::Pose pose_of(const double* joints, std::size_t joint_count) {
   for (std::size_t j = 0; j < joint_count; ++j)
     if ((pose[j].row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).cwiseAbs().maxCoeff() > rounding)
       throw BadArgument("joint " + std::to_string(j) +
-                        ": the last row must be 0 0 0 1; are the matrices column by column?");
+                        ": the last row must be 0 0 0 1; are the matrices column-major?");
   return pose;
 }
 
@@ -135,7 +136,7 @@ void check_finite(const std::vector<float>& positions, std::uint64_t frame) {
   for (const float x : positions)
     if (!std::isfinite(x))
       throw bake::NotFinite("frame " + std::to_string(frame) +
-                            " left the finite numbers; take more substeps or softer layers");
+                            ": positions are no longer finite; use more substeps or softer layers");
 }
 
 void show(fascicle_solver& solver, const model::State& state) {

@@ -52,17 +52,18 @@ std::string saved_bytes(const fascicle_solver& solver) {
 void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   Head head{};
   if (!bytes.starts_with(magic) || bytes.size() < magic.size() + sizeof head)
-    refuse_state("these are not bytes of fascicle_solver_save");
+    refuse_state("the bytes are not from fascicle_solver_save");
   bytes.remove_prefix(magic.size());
   std::memcpy(&head, bytes.data(), sizeof head);
   bytes.remove_prefix(sizeof head);
-  if (head.pose_numbers > bytes.size() / sizeof(double) || head.driven > 3) refuse_state("they are damaged");
+  if (head.pose_numbers > bytes.size() / sizeof(double) || head.driven > 3)
+    refuse_state("the bytes are damaged");
   const std::size_t joints = head.pose_numbers / 16;
   const bool by_poses =
       static_cast<fascicle_solver::Driven>(head.driven) == fascicle_solver::Driven::by_poses;
   if (head.pose_numbers != 16 * (by_poses ? std::uint64_t{solver.body->model.joint_count} : 0))
-    refuse_state("they are of another model");
-  if (head.driven != 0 && head.driven != 3 && !solver.body->scene) refuse_state("they are of another model");
+    refuse_state("it is from another model");
+  if (head.driven != 0 && head.driven != 3 && !solver.body->scene) refuse_state("it is from another model");
   drive::Pose pose(joints);
   for (Eigen::Matrix4d& joint : pose) {
     std::memcpy(joint.data(), bytes.data(), 16 * sizeof(double));
@@ -71,7 +72,7 @@ void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   const bake::Checkpoint found = bake::parse_checkpoint(bytes, "the solver's state");
   if (const std::string text = text_of(bake::differences(found.identity, identity_of_steps(solver)));
       !text.empty())
-    refuse_state("they are of another model or solver: " + text);
+    refuse_state("it is from another model or solver: " + text);
   check_finite(found.state.positions, found.state.frame);
   solver.solver->load(found.state);
   solver.frame = head.frame;

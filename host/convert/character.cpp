@@ -102,10 +102,10 @@ Matrix world_of(const aiScene& scene, std::vector<std::string>& notes) {
     axes.row(1) = Eigen::Vector3d::Unit(up) * (up_sign < 0 ? -1.0 : 1.0);
     axes.row(2) = Eigen::Vector3d(axes.row(0)).cross(Eigen::Vector3d(axes.row(1)));
   } else {
-    notes.push_back("its axes make no sense; Y is taken as up");
+    notes.push_back("its axes are invalid; Y up is assumed");
   }
   if (!std::isfinite(unit) || unit <= 0.0f) {
-    notes.push_back("its unit makes no sense; centimetres are taken");
+    notes.push_back("its unit is invalid; centimetres are assumed");
     unit = 1.0f;
   }
   Matrix world = Matrix::Identity();

@@ -56,7 +56,7 @@ void add_nodes(Character& character, Document& document) {
     nodes[at]["mesh"] = placed->mesh;
     if (placed->skin) nodes[at]["skin"] = *placed->skin;
   }
-  if (!has_mesh) throw Failure(unreadable, "holds no mesh of polygons");
+  if (!has_mesh) throw Failure(unreadable, "contains no polygon mesh");
 }
 
 // glTF times are single precision and strictly increasing.

@@ -106,10 +106,10 @@ void convert(const fs::path& input, const fs::path& output) {
   if (extension != "fbx" && extension != "dae")
     throw Failure(bad_usage, input.string() + " is neither .fbx nor .dae");
   if (extension_of(output) != "glb")
-    throw Failure(bad_usage, output.string() + " does not end in .glb, which is what is written");
+    throw Failure(bad_usage, output.string() + " does not end in .glb, the only format written");
   std::error_code ignored;
   if (fs::equivalent(input, output, ignored))
-    throw Failure(bad_usage, output.string() + " is the file to be read; give another name");
+    throw Failure(bad_usage, output.string() + " is also the input; give another name");
   const auto not_written = [&](const std::system_error& error) {
     return Failure(cannot_write, output.string() + " cannot be written: " + error.code().message() +
                                      "; check its folder and the free space");

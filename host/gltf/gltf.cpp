@@ -426,7 +426,8 @@ class Reader {
       const Vector3d& p = points[i];
       const Vector3d bound = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
       if (!bound.allFinite())
-        fail(position_pointer, "vertex " + std::to_string(i) + " is skinned to no finite position");
+        fail(position_pointer,
+             "vertex " + std::to_string(i) + " is skinned to a position that is not finite");
       is_mirrored[i] = blend.topLeftCorner<3, 3>().determinant() < 0.0;
       surface.vertices.push_back(bound);
       character_.joints.push_back(joints);

@@ -192,7 +192,7 @@ void GltfCheck::draco_primitive(std::size_t mesh, std::size_t number, const std:
     if (components == 0 || components > 4) fail(of.pointer + "/type", "cannot be of a compressed mesh");
     const std::uint64_t component = required_whole(of, "componentType");
     if (gltf_component_bytes(component) == 0)
-      fail(of.pointer + "/componentType", std::to_string(component) + " is not one that glTF has");
+      fail(of.pointer + "/componentType", std::to_string(component) + " is not valid in glTF");
     names.push_back(name);
     wanted.push_back({.id = static_cast<std::uint32_t>(whole(id, ids.pointer + "/" + name, 0xffffffffu)),
                       .component = component,

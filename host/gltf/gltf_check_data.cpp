@@ -181,12 +181,11 @@ void GltfCheck::accessors() {
     const std::uint64_t component = required_whole(place, "componentType");
     const std::uint64_t bytes = gltf_component_bytes(component);
     if (bytes == 0)
-      fail(place.pointer + "/componentType", std::to_string(component) + " is not one that glTF has");
+      fail(place.pointer + "/componentType", std::to_string(component) + " is not valid in glTF");
     const auto type = optional_text(place, "type");
     if (!type) fail(place.pointer + "/type", "is missing");
     const std::uint64_t components = gltf_components(*type);
-    if (components == 0)
-      fail(place.pointer + "/type", "`" + type->substr(0, 20) + "` is not one that glTF has");
+    if (components == 0) fail(place.pointer + "/type", "`" + type->substr(0, 20) + "` is not valid in glTF");
     const std::uint64_t size = bytes * components;
     const std::uint64_t count = required_whole(place, "count");
     if (count == 0) fail(place.pointer + "/count", "must be at least 1");

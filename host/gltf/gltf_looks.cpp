@@ -164,7 +164,7 @@ class LooksReader {
 
   std::vector<unsigned char> image_bytes(const json& image, const std::string& name) {
     std::vector<unsigned char> bytes;
-    std::string why = "holds nothing";
+    std::string why = "is empty";
     if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
       // The decoder's views match the file's, and were checked to fit their buffers.
       const tinygltf::BufferView& v = model_.bufferViews.at(*view);

@@ -36,7 +36,7 @@ class Words {
     Number value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc{} || end != word.data() + word.size()) {
-      fail("has \"" + std::string(word.substr(0, 32)) + "\" where a number should stand");
+      fail("has \"" + std::string(word.substr(0, 32)) + "\" where a number should be");
     }
     return value;
   }

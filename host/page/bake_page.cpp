@@ -224,12 +224,12 @@ void BakePage::quantise() {
   for (const double side : box)
     if (!std::isfinite(side))
       throw base::BakeError(options_.bake.string() +
-                            ": not all places are finite numbers; bake again with --overwrite");
+                            ": some positions are not finite; bake again with --overwrite");
   grid_ = grid_for(box, options_.error.value_or(default_share * model::extent(model)));
   if (options_.error && grid_.error() > *options_.error * (1.0 + 1e-9))
-    throw bake::ContradictingOptions("the error of " + base::number_text(*options_.error) +
-                                     " m is less than a page can hold of this motion, which is " +
-                                     base::number_text(grid_.error()) + " m; ask for that or more");
+    throw bake::ContradictingOptions("an error of " + base::number_text(*options_.error) +
+                                     " m is less than a page can reach for this motion, which is " +
+                                     base::number_text(grid_.error()) + " m; give that or more");
   flesh_cells_ = cells_of(grid_, flesh_);
   ghost_cells_ = cells_of(grid_, ghost_);
   result_.error = grid_.error();

@@ -16,7 +16,7 @@ namespace {
 
 std::string too_large(std::size_t width, std::size_t height) {
   return std::to_string(width) + " x " + std::to_string(height) +
-         " is larger than what is read; make it smaller";
+         " is larger than supported; make it smaller";
 }
 
 bool fits(std::size_t width, std::size_t height) {

@@ -19,8 +19,7 @@ std::string in_quotes(const std::filesystem::path& path) {
   for (std::string_view rest = whole; !rest.empty();)
     if (!base::take_code_point(rest))
       throw SceneError(path.string() +
-                       ": the name of the file, or of a folder that it is in, is not UTF-8, as the text of a "
-                       "scene has to be; rename it");
+                       ": the name of the file or of a folder above it is not valid UTF-8; rename it");
   std::ostringstream out;
   out << toml::toml_formatter{toml::value<std::string>(whole)};
   return out.str();
@@ -85,7 +84,7 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
   const auto* surface = std::get_if<mesh::SurfaceMesh>(&mesh);
   const double size = scale * size_of(tets ? tets->vertices : surface ? surface->vertices : none);
   check_size(path.string() + ": the mesh", size, longest_mesh,
-             "say how many metres its unit is, as in --set mesh.scale=0.001");
+             "give its unit in metres, as in --set mesh.scale=0.001");
   return "[scene]\n"
          "fps = 60\n"
          "end = 2.0\n"
@@ -141,7 +140,8 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
   const double size = size_of(character.surface.vertices);
-  check_size(source + ": the character", size, longest_character, "scale it to metres where it was made");
+  check_size(source + ": the character", size, longest_character,
+             "scale it to metres in the program that made it");
   const double speed = size / seconds_across;
   const std::string painted =
       by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";

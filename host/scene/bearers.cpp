@@ -58,7 +58,7 @@ std::vector<std::optional<std::size_t>> bearers_of(const toml::table& root,
     }
     if (found->character == k)
       refuse(root, settings.name,
-             "\"" + one_line(settings.joint) + "\" is a joint of its own; name one of another character");
+             "\"" + one_line(settings.joint) + "\" is one of its own joints; name one of another character");
     bearers[k] = found->character;
   }
   return bearers;
@@ -78,8 +78,9 @@ void put_bearers_first(const toml::table& root, Scene& scene) {
     while (k < bearers.size() && !is_next(k)) ++k;
     if (k == bearers.size()) {
       k = static_cast<std::size_t>(std::find(is_placed.begin(), is_placed.end(), 0) - is_placed.begin());
-      refuse(root, scene.characters[k].settings.name,
-             "the characters that it goes with go with each other in a ring; take one `joint` away");
+      refuse(
+          root, scene.characters[k].settings.name,
+          "the characters that it is attached to are attached to each other in a cycle; remove one `joint`");
     }
     is_placed[k] = 1;
     ordered.push_back(std::move(scene.characters[k]));

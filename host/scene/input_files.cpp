@@ -100,9 +100,8 @@ std::string conversion_advice(const std::filesystem::path& path, const std::file
   const bool is_known = std::find(known.begin(), known.end(), extension) != known.end();
   if (!is_known || reads_as_character(path, converter)) return {};
   return path.string() + ": " + extension +
-         (gltf::is_convertible_file(path)
-              ? " is not read without fascicle-convert, which is not beside this program; "
-              : " is not read; ") +
+         (gltf::is_convertible_file(path) ? " needs fascicle-convert, which is not next to this program; "
+                                          : " is not supported; ") +
          "characters are glTF (.glb .gltf .vrm). " + gltf::conversion_by_hand(path);
 }
 

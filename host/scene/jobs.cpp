@@ -134,7 +134,7 @@ std::vector<NamedClip> clips_of(const toml::table& table, const std::string& pat
     const Scene scene = load_scene(job.scene, overrides);
     const auto* character = std::get_if<rig::Character>(&scene.geometry);
     if (character == nullptr || !scene.characters.empty())
-      throw SceneError("all are of one character, and " + job.scene + " is not one");
+      throw SceneError("\"all\" needs a single character, and " + job.scene + " is not one");
     return named_clips(*character, wanted);
   } catch (const SceneError& error) {
     fail(node->source(), join_path(path, "clips"), error.what());
@@ -153,7 +153,7 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
           .keep_frames = flag_at(table, path, "keep_frames", of_all.keep_frames)};
   if (job.scene.empty()) fail(table.source(), path, "lacks scene");
   if (job.name.empty())
-    fail(table.source(), path, "has a name that cannot be a file's; use letters and digits");
+    fail(table.source(), path, "has a name that cannot be a file name; use letters and digits");
   if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
   if (job.formats.empty()) job.formats = of_all.formats;
 
@@ -199,9 +199,9 @@ Jobs read_jobs(const std::filesystem::path& file) {
       if (job.name.front() == '.' || job.name.size() > longest_job_name || job.name == batch_summary)
         fail(name->source(), path,
              "makes a bake called " + job.name +
-                 ", which cannot be the name of its folder; choose another, of at most 200 letters");
+                 ", which cannot be a folder name; choose another, of at most 200 characters");
       if (!names.insert(in_lower_case(job.name)).second)
-        fail(name->source(), path, "makes a second bake called " + job.name + "; name it otherwise");
+        fail(name->source(), path, "makes a second bake called " + job.name + "; give it another name");
       jobs.jobs.push_back(std::move(job));
     }
   }
@@ -219,7 +219,7 @@ std::vector<NamedClip> named_clips(const rig::Character& character, const std::v
     for (const std::string& name : wanted) {
       const rig::Clip* clip = rig::find_clip(character, name);
       if (std::find(clips.begin(), clips.end(), clip) != clips.end())
-        throw SceneError("clips: `" + name + "` is there twice");
+        throw SceneError("clips: `" + name + "` is listed twice");
       clips.push_back(clip);
     }
   const auto number_of = [&](const rig::Clip* clip) {

@@ -50,8 +50,8 @@ class Finder {
       carry(bones, bones.bend->joint, bones.bend->lower_end);
       if (!bones.bend->lower_end) bones.to = bones.bend->tip;
     } else if (bones.bend) {
-      refuse("bone", "\"" + muscle_.bone + "\" is neither of the upper bone (from " +
-                         quoted(bones.bend->upper) + ") nor of the lower one (from " +
+      refuse("bone", "\"" + muscle_.bone + "\" belongs neither to the upper bone (from " +
+                         quoted(bones.bend->upper) + ") nor to the lower one (from " +
                          quoted(bones.bend->joint) + ") of the joint");
     } else {
       const std::optional<std::uint32_t> end = next_below(bone);

@@ -32,12 +32,12 @@ class Reader {
     try {
       document = json::parse(base::shallow_json(text));
     } catch (const json::exception&) {
-      fail("/", "this is no JSON, or nested too deep");
+      fail("/", "not valid JSON, or nested too deep");
     }
     must_have("", document, {version_key, "surface", "vertices", "attributes"});
     if (document[version_key] != version)
       fail(std::string("/") + version_key,
-           "is not " + std::to_string(version) + ", the one version that is read");
+           "is not " + std::to_string(version) + ", the only version supported");
     rig::Paint paint;
     paint.vertices = surface_.vertices.size();
     if (document["vertices"] != paint.vertices)
@@ -89,9 +89,8 @@ class Reader {
     if (rig::find_paint_kind(name) != nullptr) return;
     std::vector<std::string> names;
     for (const rig::PaintKind& kind : rig::paint_kinds()) names.emplace_back(kind.name);
-    fail("/attributes/" + shown_name(name),
-         "is not painted by a file; _RIGID, _LAYER, _STIFFNESS and _FIBER are" +
-             base::nearest_name_hint(name, names));
+    fail("/attributes/" + shown_name(name), "cannot be painted; _RIGID, _LAYER, _STIFFNESS and _FIBER can" +
+                                                base::nearest_name_hint(name, names));
   }
 
   rig::PaintedVertices read_attribute(const rig::PaintKind& kind, const json& object) {
@@ -103,7 +102,7 @@ class Reader {
     if (values.size() != kind.width * vertices.size())
       fail(pointer + "/value", "has " + std::to_string(values.size()) + " numbers for " +
                                    std::to_string(vertices.size()) + " vertices; " +
-                                   std::to_string(kind.width) + " a vertex are wanted");
+                                   std::to_string(kind.width) + " per vertex are needed");
     rig::PaintedVertices read{kind.name, {}, {}};
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const std::string here = pointer + "/vertex/" + std::to_string(k);

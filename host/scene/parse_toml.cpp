@@ -37,8 +37,8 @@ class Checked {
     for (std::string_view rest = text_; !rest.empty();) {
       const std::size_t at = text_.size() - rest.size();
       const std::optional<char32_t> code_point = base::take_code_point(rest);
-      if (!code_point) fail_at(at, "this is no UTF-8; save the file in that encoding");
-      if (*code_point == 0) fail_at(at, "a zero byte; is this a text?");
+      if (!code_point) fail_at(at, "not valid UTF-8; save the file in that encoding");
+      if (*code_point == 0) fail_at(at, "a zero byte; is this a text file?");
     }
   }
 

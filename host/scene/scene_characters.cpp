@@ -88,8 +88,8 @@ void load_file(const std::filesystem::path& file, bool rigid, LoadedFiles* files
     return load_character(file, loaded, rigid ? gltf::Still::carried : gltf::Still::left_out, files);
   if (!rigid)
     throw InputFileError(file.string() +
-                         " is a mesh without a skeleton; a prop that flesh does not enter is a "
-                         "[character.NAME] with rigid = true, a body of flesh stands under [mesh]");
+                         " is a mesh without a skeleton; for a solid prop, set rigid = true in its "
+                         "[character.NAME]; for a body of flesh, use [mesh]");
   load_mesh(file, loaded, files);
   loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
 }
@@ -151,7 +151,7 @@ void check_skeleton_names(const toml::table& root, const Scene& scene) {
                       [&](const PlacedCharacter& one) { return name.starts_with(one.settings.name + "/"); });
       if (!has_owner)
         fail((*names)[k].source(), join_path("skeleton", key->str()),
-             "\"" + one_line(name) + "\" does not say whose it is; names begin with a character's, as \"" +
+             "\"" + one_line(name) + "\" does not name its character; names begin with a character's, as \"" +
                  scene.characters.front().settings.name + "/...\"" + base::nearest_name_hint(name, known));
     }
   }
@@ -172,7 +172,7 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
   const std::string& name = without->settings.name;
   fail(root["character"][name].node()->source(), join_path("character", name),
        "has no `" + attribute + "`, which is painted on " + with->settings.name +
-           " and which the scene goes by; paint both, or take it out of the scene");
+           " and which the scene uses; paint both, or remove it from the scene");
 }
 
 // If a paint file paints an attribute on one character, adds it to the others with its unpainted value.
@@ -202,7 +202,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         read_keys(table, character.settings);
         if (character.settings.thickness > 0.0 && !character.settings.rigid)
           fail(table.get("thickness")->source(), join_path(path, "thickness"),
-               "is of a prop, which this is not; set rigid = true, or leave it out");
+               "is only for a prop; set rigid = true, or leave it out");
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
         character.own = load_one(table, path, folder, files, scene, paint);
         rig::name_apart(character.own, name);

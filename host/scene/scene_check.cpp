@@ -228,8 +228,8 @@ void check_named_tables(const toml::node& node, const Key& key, const std::strin
   }
   if (tables->size() > most_named) {
     fail(node.source(), path,
-         "has " + std::to_string(tables->size()) + " tables; " + std::to_string(most_named) +
-             " is the most there can be");
+         "has " + std::to_string(tables->size()) + " tables; at most " + std::to_string(most_named) +
+             " are allowed");
   }
   if (key.required && tables->empty())
     fail(node.source(), path, "is empty; give at least one [" + path + ".NAME]");
@@ -248,8 +248,8 @@ void check_table_or_named(const toml::table& table, const Key& key, const std::s
   for (const auto& [name, value] : in_order(table))
     if (first != nullptr && !value->is_table())
       fail(name->source(), join_path(path, name->str()),
-           "stands beside tables of single characters, [" + path +
-               ".NAME]; move it into each of them, or take their names away");
+           "conflicts with the tables of single characters, [" + path +
+               ".NAME]; move it into each of them, or remove their names");
   check_table(table, *key.table, path);
 }
 
@@ -312,7 +312,7 @@ void check_table(const toml::table& table, const Table& keys, const std::string&
       if (std::find(choice.begin(), choice.end(), entry.first->str()) == choice.end()) continue;
       if (first != nullptr) {
         fail(entry.first->source(), join_path(path, entry.first->str()),
-             "stands beside " + std::string(first->first->str()) + "; give one of " + list(choice));
+             "conflicts with " + std::string(first->first->str()) + "; give one of " + list(choice));
       }
       first = &entry;
     }

@@ -38,7 +38,7 @@ class ColliderCheck {
       if (!table_.contains(key)) refuse(key, "is missing; a " + shape + " needs it");
     for (const char* key : {"center", "normal", "from", "to", "size", "rotation", "radius"})
       if (table_.contains(key) && !has(keys.needed, key) && !has(keys.optional, key))
-        refuse(key, "says nothing of a " + shape + "; leave it out");
+        refuse(key, "does not apply to a " + shape + "; leave it out");
     if (collider_.normal.isZero(0.0)) refuse("normal", "has no length; give a direction");
     if (collider_.shape == ColliderShape::capsule && collider_.from == collider_.to)
       refuse("to", "is the same point as `from`; give a sphere instead");
@@ -50,11 +50,11 @@ class ColliderCheck {
   void check_motion() const {
     const std::size_t keys = collider_.times.size();
     if (keys > 0 && !collider_.joint.empty())
-      refuse("times", "gives a motion of its own to a solid that goes with a joint; leave one of them out");
+      refuse("times", "moves a solid that is attached to a joint; leave out `times` or `joint`");
     for (std::size_t k = 1; k < keys; ++k)
       if (!(collider_.times[k - 1] < collider_.times[k])) refuse("times", "must ascend");
     if (keys > 0 && collider_.offsets.empty() && collider_.turns.empty())
-      refuse("times", "has no `offsets` and no `turns`; say where the solid is at these times");
+      refuse("times", "has neither `offsets` nor `turns`; give the solid's place at these times");
     check_count("offsets", collider_.offsets.size());
     check_count("turns", collider_.turns.size());
   }

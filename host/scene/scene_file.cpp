@@ -54,7 +54,7 @@ void fix_stiffness(const toml::table& table, const std::string& path, bool impli
   };
   for (const char* key : implicit_keys)
     if (!implicit)
-      refuse(key, takes(Integrator::implicit_step) + "; say that, or " +
+      refuse(key, takes(Integrator::implicit_step) + "; set that, or use " +
                       std::string(key == std::string_view("damping_ratio") ? "damping" : "alpha") +
                       " instead");
   for (const char* key : explicit_keys)
@@ -62,7 +62,7 @@ void fix_stiffness(const toml::table& table, const std::string& path, bool impli
       refuse(
           key,
           takes(Integrator::explicit_step) +
-              "; say youngs_modulus, frequency or material instead, or flesh.softness to change all layers");
+              "; use youngs_modulus, frequency or material instead, or flesh.softness to change all layers");
   if (const Material* material = find_material(layer.material)) {
     layer.youngs_modulus = material->youngs_modulus;
     if (!table.contains("density")) layer.density = material->density;
@@ -89,7 +89,7 @@ void fix_least_volume(const toml::table& table, const std::string& path, const S
   if (!implicit && layer.least_volume > 0.0)
     fail(table.get("least_volume")->source(), join_path(path, "least_volume"),
          takes(Integrator::implicit_step) +
-             "; leave it out, or say how stiff the layer is by youngs_modulus, frequency or material");
+             "; leave it out, or give the stiffness as youngs_modulus, frequency or material");
 }
 
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
@@ -116,7 +116,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                      layer.fibre = (fibre / largest).normalized();
                      if (layer.fibre_field)
                        fail(node->source(), join_path(path, "fibre"),
-                            "stands beside fibre_field = true; give one of them");
+                            "conflicts with fibre_field = true; give one of them");
                    }
                    layer.where = read_where(table, surroundings, path);
                    if (layer.where.empty()) {
@@ -154,7 +154,7 @@ void read_flesh(const toml::table& root, Scene& scene) {
       const double stiffest = std::max(layer.alpha, layer.alpha_outer.value_or(0.0)) / flesh.softness;
       if (stiffest > 1.0)
         refuse("softness", "makes alpha of layers." + layer.name + " " + shortest(stiffest) +
-                               ", and 1 is the most; say more substeps instead, or integrator = \"" +
+                               ", and 1 is the most; set more substeps instead, or integrator = \"" +
                                name_of(Integrator::implicit_step) + '"');
       layer.alpha /= flesh.softness;
       if (layer.alpha_outer) *layer.alpha_outer /= flesh.softness;
@@ -179,7 +179,8 @@ void read_forces(const toml::table& root, const Surroundings& surroundings, Scen
                "wind blows on the whole surface; leave where out");
         }
         if (force.kind == ForceKind::point && force.where.empty()) {
-          fail(table.source(), join_path(path, "where"), "is missing; say on which vertices the force acts");
+          fail(table.source(), join_path(path, "where"),
+               "is missing; choose the vertices that the force acts on");
         }
         if (!(force.end > force.start))
           fail(table.source(), join_path(path, "end"), "is not after start; the force would never act");
@@ -260,7 +261,7 @@ void read_body(const toml::table& root, Scene& scene) {
     fail(given->first.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
   if (std::holds_alternative<mesh::TetMesh>(scene.geometry))
     fail(given->first.source(), "body",
-         "the mesh file holds tetrahedra, they are taken as they are; leave this table out");
+         "the mesh file already contains tetrahedra, which are used unchanged; leave this table out");
 }
 
 void read_bar(const toml::table& table, Scene& scene) {
@@ -304,7 +305,7 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
     read(table, "iterations", solver.iterations);
   if (table.contains("quality") && !solver.auto_substeps)
     fail(table.get("quality")->source(), "solver.quality",
-         "chooses the substeps, so it goes with solver.substeps = \"auto\"; say that, or leave it out");
+         "applies only with solver.substeps = \"auto\"; set that, or leave it out");
   if (solver.auto_substeps && solver.iterations && *solver.iterations < 2)
     fail(table.get("iterations")->source(), "solver.iterations",
          "is 1, which resolves no stiffness, so \"auto\" finds no substeps; give 2 or more, or substeps as a "

@@ -26,11 +26,13 @@ void check_muscle(const Muscle& muscle, const toml::table& table, const std::str
     refuse("joint", "is missing; name the joint that bends, or the `bone` of a muscle that only contracts");
   for (const char* key : {"parent", "child", "axis", "activation", "curve"})
     if (muscle.joint.empty() && table.contains(key))
-      refuse(key, "says how the muscle follows a joint, and it names none; add `joint`, or leave this out");
+      refuse(key,
+             "applies to a muscle that follows a joint, and this one names none; add `joint`, or leave this "
+             "out");
   if (!muscle.curve.empty() && table.contains("activation"))
-    refuse("curve", "stands beside activation; give one of them");
+    refuse("curve", "conflicts with activation; give one of them");
   if (!muscle.contraction.empty() && !muscle.contraction_channel.empty())
-    refuse("contraction_channel", "stands beside contraction; give one of them");
+    refuse("contraction_channel", "conflicts with contraction; give one of them");
   std::vector<std::string> names;
   for (const Layer& layer : layers) names.push_back(layer.name);
   if (!muscle.layer.empty() && std::find(names.begin(), names.end(), muscle.layer) == names.end())

@@ -38,13 +38,13 @@ void give_layers(const std::vector<FilePaint>& paint, Scene& scene) {
       Layer* layer = number <= last ? named(number) : nullptr;
       if (layer == nullptr)
         fail(one.source, one.key,
-             "paints _LAYER " + std::to_string(number) + ", which no layer takes; " +
-                 (number <= last
-                      ? "call a layer " +
-                            std::string(painted_layers.at(static_cast<std::size_t>(number) - 1)) + ", or say"
-                      : std::string("say")) +
+             "paints _LAYER " + std::to_string(number) + ", which no layer uses; " +
+                 (number <= last ? "name a layer " +
+                                       std::string(painted_layers.at(static_cast<std::size_t>(number) - 1)) +
+                                       ", or give one"
+                                 : std::string("give a layer")) +
                  " where = { painted = { attribute = \"_LAYER\", minimum = " + std::to_string(number) +
-                 ", maximum = " + std::to_string(number) + " } } of one");
+                 ", maximum = " + std::to_string(number) + " } }");
       layer->by_paint = {Painted{layer_attribute, number - 0.5, number + 0.5}};
     }
 }
@@ -58,9 +58,8 @@ void give_stiffness(const std::vector<FilePaint>& paint, Scene& scene) {
       if (one.stiffest > 1.0f)
         fail(one.source, one.key,
              "paints _STIFFNESS up to " + base::short_text(double{one.stiffest}) +
-                 ", which multiplies alpha here, and that takes 0 to 1; paint less, or say how stiff the "
-                 "layers "
-                 "are by youngs_modulus, frequency or material");
+                 ", but here it multiplies alpha, which takes 0 to 1; paint less, or give the "
+                 "stiffness as youngs_modulus, frequency or material");
   const bool is_said = std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) {
     return layer.alpha_attribute == stiffness_attribute;
   });

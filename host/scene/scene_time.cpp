@@ -103,8 +103,8 @@ void read_motion(const toml::table& root, Scene& scene) {
   if (!is_character) {
     if (motion.rest == Rest::sculpted)
       refuse("rest",
-             "a body without a skeleton has no bones' frames in which gravity could change; say "
-             "weightless, or use a [character]");
+             "sculpted needs a skeleton, in whose frames gravity changes; use weightless, or a "
+             "[character]");
     if (table.contains("interpolation"))
       refuse("interpolation", "takes a [character], whose clip has keys; leave it out");
     if (motion.acceleration_limit)

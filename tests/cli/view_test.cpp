@@ -117,7 +117,7 @@ TEST(View, TheErrorIsAsAskedFor) {
   const Outcome refused =
       fascicle({"view", folder / "bake", "-o", folder / "page.html", "--overwrite", "--error", "1e-6"});
   EXPECT_EQ(refused.status, 2) << refused.err;
-  EXPECT_TRUE(contains(refused.err, "less than a page can hold")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "less than a page can reach")) << refused.err;
 }
 
 // A glTF file of a body of revolution: rings x spokes vertices and two poles, 1.7 m high. The upper half nods

@@ -398,8 +398,8 @@ TEST(Fbx, files_that_mean_no_good_get_one_message) {
   EXPECT_NE(refused("counts.fbx", counts).find("cannot be read"), std::string::npos);
   std::string nothing = good;
   nothing.replace(nothing.find("C: \"OO\",12,11"), 13, "");
-  EXPECT_NE(refused("nothing.fbx", nothing).find("holds no mesh"), std::string::npos);
-  // Named as an FBX file, but in a format that opens other files.
+  EXPECT_NE(refused("nothing.fbx", nothing).find("contains no polygon mesh"), std::string::npos);
+  // By its name an FBX file, by its content one that would open others.
   EXPECT_NE(
       refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
       std::string::npos);

@@ -115,11 +115,11 @@ TEST(Bearers, RefuseWhatCannotBe) {
             "sample.toml:7: character.sword.joint: no other character has a joint \"hand\"; did you mean "
             "man/hand?");
   EXPECT_EQ(refusal_of_text(man + held("sword", "sword/hand") + layers),
-            "sample.toml:7: character.sword.joint: \"sword/hand\" is a joint of its own; name one of another "
-            "character");
+            "sample.toml:7: character.sword.joint: \"sword/hand\" is one of its own joints; name one of "
+            "another character");
   EXPECT_EQ(refusal_of_text(held("a", "b/hand") + held("b", "a/hand") + layers),
-            "sample.toml:3: character.a.joint: the characters that it goes with go with each other in a "
-            "ring; take one `joint` away");
+            "sample.toml:3: character.a.joint: the characters that it is attached to are attached to each "
+            "other in a cycle; remove one `joint`");
   EXPECT_EQ(refusal_of_text("[character]\nmade = \"arm\"\njoint = \"hand\"\n" + layers),
             "sample.toml:3: character.joint: unknown; known here: file, made, paint, clip, resolution");
 }

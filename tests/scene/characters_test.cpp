@@ -172,17 +172,17 @@ TEST(Characters, AreReadFromTheirFiles) {
 
 TEST(Characters, RefuseWhatCannotBe) {
   EXPECT_EQ(refusal_of_text("[mesh]\nmade = \"bunny\"\n" + two),
-            "sample.toml:3: character: stands beside mesh; give one of bar, mesh, character");
+            "sample.toml:3: character: conflicts with mesh; give one of bar, mesh, character");
   EXPECT_EQ(
       refusal_of_text("[character]\nclip = \"curl\"\n[character.left]\nmade = \"arm\"\n" + layers),
-      "sample.toml:2: character.clip: stands beside tables of single characters, [character.NAME]; move it "
-      "into each of them, or take their names away");
+      "sample.toml:2: character.clip: conflicts with the tables of single characters, [character.NAME]; "
+      "move it into each of them, or remove their names");
   EXPECT_EQ(refusal_of_text("[character.left]\nclip = \"curl\"\n" + layers),
             "sample.toml:1: character.left: lacks one of file, made");
   EXPECT_EQ(refusal_of_text("[character.left]\nmade = \"arm\"\nclip = \"jump\"\n" + layers).substr(0, 39),
             "sample.toml:3: character.left.clip: the");
   EXPECT_EQ(refusal_of_text(two + "[skeleton]\nkinematic = [\"left/hand\", \"forearm\"]\n"),
-            "sample.toml:11: skeleton.kinematic: \"forearm\" does not say whose it is; names begin with a "
+            "sample.toml:11: skeleton.kinematic: \"forearm\" does not name its character; names begin with a "
             "character's, "
             "as \"left/...\"; did you mean left/forearm?");
   EXPECT_EQ(refusal_of_text(two + "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\njoint = \"hand\"\n"),
@@ -192,13 +192,11 @@ TEST(Characters, RefuseWhatCannotBe) {
       "sample.toml:13: collider.ball.joint: there is no joint \"left/hnd\"; did you mean left/hand?");
   EXPECT_EQ(refusal_of_text("[character.left]\nfile = \"none.glb\"\n" + layers),
             "sample.toml:2: character.left.file: none.glb does not exist");
-  EXPECT_EQ(
-      refusal_of_text("[character.left]\nfile = \"chair.obj\"\n" + layers),
-      "sample.toml:2: character.left.file: chair.obj is a mesh without a skeleton; a prop that flesh does "
-      "not enter is a [character.NAME] with rigid = true, a body of flesh stands under [mesh]");
+  EXPECT_EQ(refusal_of_text("[character.left]\nfile = \"chair.obj\"\n" + layers),
+            "sample.toml:2: character.left.file: chair.obj is a mesh without a skeleton; for a solid prop, "
+            "set rigid = true in its [character.NAME]; for a body of flesh, use [mesh]");
   EXPECT_EQ(refusal_of_text("[character.left]\nmade = \"arm\"\nthickness = 0.01\n" + layers),
-            "sample.toml:3: character.left.thickness: is of a prop, which this is not; set rigid = true, or "
-            "leave it out");
+            "sample.toml:3: character.left.thickness: is only for a prop; set rigid = true, or leave it out");
   EXPECT_EQ(refusal_of_text("[character.left]\nfile = \"chair.obj\"\nrigid = true\n" + layers),
             "sample.toml:2: character.left.file: chair.obj does not exist");
 }

@@ -106,11 +106,11 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
       {"[job.a]\nscene = \"jump\"\nkeep_frames = 1\n", ":3: job.a.keep_frames: takes true or false"},
       {"[job.a]\nscene = \"jump\"\nvary = 2\n", ":3: job.a.vary: is a table"},
       {"[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.fps\" = 3\n", "takes a list of values"},
-      {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that cannot be a file's"},
+      {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that cannot be a file name"},
       {"[job.\"a b\"]\nscene = \"jump\"\n[job.a_b]\nscene = \"arm\"\n", "makes a second bake called a_b"},
-      {"[job.\"..\"]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
-      {"[job.\"batch.json\"]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
-      {"[job." + std::string(300, 'a') + "]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
+      {"[job.\"..\"]\nscene = \"jump\"\n", "which cannot be a folder name"},
+      {"[job.\"batch.json\"]\nscene = \"jump\"\n", "which cannot be a folder name"},
+      {"[job." + std::string(300, 'a') + "]\nscene = \"jump\"\n", "which cannot be a folder name"},
       {"[job.A]\nscene = \"jump\"\n[job.a]\nscene = \"arm\"\n", "makes a second bake called a"},
       {"[job.a\n", "TOML"}};
   for (const auto& [text, reason] : refused)
@@ -212,9 +212,9 @@ TEST_F(ReadJobs, AllClipsAreThoseOfTheCharacter) {
   EXPECT_EQ(read.jobs[1].name, "bear-bump");
   EXPECT_EQ(read.jobs[1].clip, "bump");
   for (const char* scene : {"bar-beta-1", "two-bears"})
-    EXPECT_NE(
-        refusal("[job.a]\nscene = \"" + std::string(scene) + "\"\nclips = \"all\"\n").find("one character"),
-        std::string::npos)
+    EXPECT_NE(refusal("[job.a]\nscene = \"" + std::string(scene) + "\"\nclips = \"all\"\n")
+                  .find("a single character"),
+              std::string::npos)
         << scene;
 }
 

@@ -80,7 +80,7 @@ TEST(MuscleBones, RefusesWhatDoesNotFit) {
   EXPECT_TRUE(muscle_refusal({.name = "m", .joint = "forearm", .child = "upper_arm"})
                   .starts_with("muscle.m.child: \"upper_arm\" is not below"));
   EXPECT_TRUE(muscle_refusal({.name = "m", .joint = "hand", .bone = "shoulder"})
-                  .starts_with("muscle.m.bone: \"shoulder\" is neither of"));
+                  .starts_with("muscle.m.bone: \"shoulder\" belongs neither to"));
 }
 
 // A joint without vertices has no inverse bind matrix, and so no place in the bind pose.

@@ -103,15 +103,15 @@ TEST(PaintFile, IsRefusedByFileAndPlace) {
       {"a.json: /vertices: is 4, and the character has", [](json& d) { d["vertices"] = 4; }},
       {"a.json: /more: is unknown", [](json& d) { d["more"] = 1; }},
       {"a.json: /attributes: takes an object", [](json& d) { d["attributes"] = 1; }},
-      {"a.json: /attributes/_LAYR: is not painted by a file; _RIGID, _LAYER, _STIFFNESS and _FIBER are; did "
-       "you mean _LAYER?",
+      {"a.json: /attributes/_LAYR: cannot be painted; _RIGID, _LAYER, _STIFFNESS and _FIBER can; did you "
+       "mean _LAYER?",
        [](json& d) { d["attributes"]["_LAYR"] = d["attributes"]["_LAYER"]; }},
       {"a.json: /attributes/_LAYER: takes an object", [](json& d) { d["attributes"]["_LAYER"] = {1}; }},
       {"a.json: /attributes/_LAYER/value: is missing",
        [](json& d) { d["attributes"]["_LAYER"].erase("value"); }},
-      {"a.json: /attributes/_LAYER/value: has 2 numbers for 3 vertices; 1 a vertex are wanted",
+      {"a.json: /attributes/_LAYER/value: has 2 numbers for 3 vertices; 1 per vertex are needed",
        [](json& d) { d["attributes"]["_LAYER"]["value"].erase(0); }},
-      {"a.json: /attributes/_FIBER/value: has 1 numbers for 1 vertices; 3 a vertex are wanted",
+      {"a.json: /attributes/_FIBER/value: has 1 numbers for 1 vertices; 3 per vertex are needed",
        [](json& d) { d["attributes"]["_FIBER"]["value"] = {1}; }},
       {"a.json: /attributes/_LAYER/vertex/2: is vertex 999999 of",
        [](json& d) { d["attributes"]["_LAYER"]["vertex"][2] = 999999; }},
@@ -132,8 +132,8 @@ TEST(PaintFile, IsRefusedByFileAndPlace) {
     damage(document);
     EXPECT_EQ(refusal(document.dump()).substr(0, message.size()), message);
   }
-  EXPECT_EQ(refusal("").substr(0, 29), "a.json: /: this is no JSON, o");
-  EXPECT_EQ(refusal(std::string(100000, '[')).substr(0, 29), "a.json: /: this is no JSON, o");
+  EXPECT_EQ(refusal("").substr(0, 29), "a.json: /: not valid JSON, or");
+  EXPECT_EQ(refusal(std::string(100000, '[')).substr(0, 29), "a.json: /: not valid JSON, or");
   EXPECT_EQ(refusal("[]"), "a.json: /: takes an object");
 }
 
@@ -229,7 +229,8 @@ TEST(ScenePaint, LayersAreTakenByNameWhereNoneAsksForPaint) {
   EXPECT_EQ(range_of(2), std::pair(0.5, 1.5)) << "bone";
   EXPECT_TRUE(scene.layers[0].where.empty()) << "the rest of the body is unchanged";
 
-  const std::string start = "sample.toml:3: character.paint: paints _LAYER 3, which no layer takes; call a ";
+  const std::string start =
+      "sample.toml:3: character.paint: paints _LAYER 3, which no layer uses; name a layer ";
   const std::string body =
       "[layers.body]\nalpha = 0.5\n[layers.bone]\nkinematic = true\n"
       "where = { depth = { maximum = 0.3 } }\n";
@@ -266,7 +267,7 @@ TEST(ScenePaint, AboveOneIsForModuli) {
   const PaintedArm painted({{"_STIFFNESS", {3, 4}, {0.5f, 4.0f}}});
   EXPECT_EQ(painted.refusal("[layers.fat]\nmaterial = \"fat\"\n"), "no error");
   const std::string start =
-      "sample.toml:3: character.paint: paints _STIFFNESS up to 4, which multiplies alpha here";
+      "sample.toml:3: character.paint: paints _STIFFNESS up to 4, but here it multiplies alpha";
   EXPECT_EQ(painted.refusal(by_alpha).substr(0, start.size()), start);
 }
 

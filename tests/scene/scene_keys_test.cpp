@@ -407,7 +407,7 @@ TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
       {"layers.fat.where={depth={maximum=0.5,per_bone={hand=0.3}}}", "only a [character]"},
       {"layers.fat.alpha_attribute=_STIFFNESS", "only a [character]"},
       {"contact.attribute=_CONTACT", "contact.attribute: only a [character]"},
-      {"layers.fat.fibre_field=true", "stands beside fibre_field"},
+      {"layers.fat.fibre_field=true", "conflicts with fibre_field"},
       {"fibres.biceps.points=[[0,0,0],[0,0,0]]", "the same point twice"},
       {"fibres.biceps.points=[[0,0,0],[0,2e6,0]]", "must be at most"},
       {"skeleton.connect=false", "only a [character]"}};
@@ -434,19 +434,19 @@ TEST_F(SceneKeys, IgnoredContactIsListsOfOneOrTwoNames) {
 TEST_F(SceneKeys, MusclesNeedAJointOrABone) {
   const std::vector<std::pair<std::string, std::string>> refused{
       {"", "muscle.m.joint: is missing; name the joint"},
-      {"bone = \"hand\"\naxis = \"flexion\"", "muscle.m.axis: says how the muscle follows a joint"},
+      {"bone = \"hand\"\naxis = \"flexion\"", "muscle.m.axis: applies to a muscle that follows a joint"},
       {"joint = \"hand\"\nlayer = \"bodi\"",
        "muscle.m.layer: there is no layer \"bodi\"; did you mean body?"},
       {"joint = \"foerarm\"", "sample.toml:4: muscle.m.joint: no joint is called \"foerarm\""},
       {"joint = \"hand\"\ncontraction_channel = \"hand.bend\"",
        "sample.toml:4: muscle.m.contraction_channel: \"hand.bend\" is not a channel"},
       {"joint = \"hand\"\nactivation = \"sine\"\ncurve = [[0, 0]]",
-       "muscle.m.curve: stands beside activation"},
+       "muscle.m.curve: conflicts with activation"},
       {"joint = \"hand\"\ncurve = [[1, 0], [1, 0]]", "muscle.m.curve[1]: does not come after"},
       {"joint = \"hand\"\ncurve = [[1, 0, 2]]", "muscle.m.curve[0]: has 3 entries"},
       {"joint = \"hand\"\ncurve = []", "muscle.m.curve: is empty"},
       {"joint = \"hand\"\ncontraction = [[0, 1]]\ncontraction_channel = \"a.scale.x\"",
-       "muscle.m.contraction_channel: stands beside contraction"}};
+       "muscle.m.contraction_channel: conflicts with contraction"}};
   for (const auto& [keys, reason] : refused)
     EXPECT_NE(refusal("[character]\nmade = \"arm\"\n[layers.body]\n[muscle.m]\n" + keys + "\n").find(reason),
               std::string::npos)
@@ -540,12 +540,12 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   };
   const std::string where = "where = { everywhere = true }\n";
   EXPECT_NE(refusal(with("youngs_modulus = 1.0\nfrequency = 2.0\n" + where))
-                .find("frequency: stands beside youngs_modulus"),
+                .find("frequency: conflicts with youngs_modulus"),
             std::string::npos);
-  EXPECT_NE(refusal(with("material = \"fat\"\nfrequency = 2.0\n" + where)).find("stands beside"),
+  EXPECT_NE(refusal(with("material = \"fat\"\nfrequency = 2.0\n" + where)).find("conflicts with"),
             std::string::npos);
   EXPECT_NE(refusal(with("frequency = 2.0\ndamping = 1.0\ndamping_ratio = 0.5\n" + where))
-                .find("stands beside damping"),
+                .find("conflicts with damping"),
             std::string::npos);
   EXPECT_NE(refusal(with(where)).find("layers.more: has no stiffness"), std::string::npos);
   EXPECT_NE(refusal(with("alpha = 0.5\n" + where))

@@ -48,9 +48,9 @@ const std::vector<Refused>& refused_texts() {
       // Preceding strings and comments do not hide it.
       {"s = \"\"\"\n\\\"\"\"\"\"\" # '\nt = '\\'\na" + repeated(".a", many), "4: TOML: column 64: a key of"},
       {"s = '''\n'\n'''''\na" + repeated(".a", many), "4: TOML: column 64: a key of"},
-      {"# \u00e4\n\"\u00e4\" = \"\xff\"", "2: TOML: column 8: this is no UTF-8"},
-      {"\xc3", "1: TOML: column 1: this is no UTF-8"},
-      {"a = \"\xed\xa0\x80\"", "1: TOML: column 6: this is no UTF-8"},
+      {"# \u00e4\n\"\u00e4\" = \"\xff\"", "2: TOML: column 8: not valid UTF-8"},
+      {"\xc3", "1: TOML: column 1: not valid UTF-8"},
+      {"a = \"\xed\xa0\x80\"", "1: TOML: column 6: not valid UTF-8"},
       {"a = 1979-05-27" + repeated("_", 117) + " 11",
        "1: TOML: column 79: a word of more than 64 underscores"},
       {"\u00eb = 1", "1: TOML: "},
