@@ -45,7 +45,7 @@ Json parse_json(std::string_view text) {
   try {
     return Json::parse(text, bounded);
   } catch (const Json::exception&) {
-    throw BadMessage("this is no JSON");
+    throw BadMessage("not valid JSON");
   }
 }
 

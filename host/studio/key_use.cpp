@@ -61,8 +61,7 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   if (table.path == "solver") {
     if (has(of_implicit_solver, name) && !is_implicit_)
       return "for the implicit integrator; this scene's is explicit";
-    if (name == "quality" && !has_auto_substeps_)
-      return "chooses the substeps where solver.substeps is \"auto\"";
+    if (name == "quality" && !has_auto_substeps_) return "applies only if solver.substeps is \"auto\"";
     return {};
   }
   if (table.table->name != "layer") return {};
@@ -75,9 +74,9 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   // These do not define a stiffness and select no integrator.
   const bool is_no_stiffness = name == "least_volume" || name == "damping_ratio";
   if (is_no_stiffness ? is_implicit_ : !is_of_other || may_change_integrator) return {};
-  return is_implicit_ ? "for the explicit integrator; layers here are as stiff as youngs_modulus, frequency "
-                        "or material say"
-                      : "for the implicit integrator; layers here are as stiff as alpha says";
+  return is_implicit_ ? "for the explicit integrator; here youngs_modulus, frequency or material sets the "
+                        "stiffness"
+                      : "for the implicit integrator; here alpha sets the stiffness";
 }
 
 }  // namespace fascicle::studio

@@ -79,7 +79,7 @@ void LiveMotion::step_to(std::uint64_t frame) {
     load(body_->state_on_skeleton(frame), frame);
     kept_.clear();
     throw Diverged("the flesh flew apart in frame " + std::to_string(frame) +
-                   " and begins again on its skeleton; take the last change back, or take more substeps");
+                   " and starts again on its skeleton; undo the last change, or use more substeps");
   }
   if (hand_) hand_->see(now_, 1.0 / fps());
 }
@@ -131,9 +131,8 @@ void LiveMotion::load_led(model::State state) {
   if (bake::all_finite(now_)) return;
   load(body_->drives().initial_state(), 0);
   throw Diverged(
-      "the flesh flew apart before frame 0 and begins again on its skeleton; take the last change back, or "
-      "take more "
-      "substeps");
+      "the flesh flew apart before frame 0 and starts again on its skeleton; undo the last change, or use "
+      "more substeps");
 }
 
 ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {

@@ -281,7 +281,7 @@ Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& table
 
 Preset wished(Preset preset, Wish wish) {
   preset.changes = wish.take();
-  if (preset.changes.empty()) preset.why_not = "it is as far as it goes";
+  if (preset.changes.empty()) preset.why_not = "it is already at its limit";
   return preset;
 }
 
@@ -337,14 +337,14 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
   presets.push_back(only_joint(body, tables,
                                {"only-belly",
                                 "Only the belly",
-                                "The flesh of the belly moves, all other follows the skeleton.",
+                                "Only the belly's flesh moves; the rest follows the skeleton.",
                                 {},
                                 {}},
                                {"belly", "abdomen", "stomach", "spine", "torso"}, false,
                                "belly, abdomen, spine or torso"));
   presets.push_back(only_joint(
       body, tables,
-      {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
+      {"only-tail", "Only the tail", "Only the tail's flesh moves; the rest follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
   // Softer flesh that feels more of the motion swings further, but it wrinkles when a bear lands. More
   // damping removes the wrinkles and leaves most of the swing.

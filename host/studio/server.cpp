@@ -238,7 +238,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
       if (error == http::error::body_limit)
         return self->answer_text(http::status::payload_too_large, "the body is too long");
       if (error && error.category() == http::make_error_code(http::error::bad_method).category())
-        return self->answer_text(http::status::bad_request, "this is no request");
+        return self->answer_text(http::status::bad_request, "not a valid request");
       if (error) return;
       self->take(self->parser_->release());
     });
@@ -267,13 +267,13 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
       return answer_text(http::status::method_not_allowed, "only GET is answered");
     const std::string_view text(request.target().data(), request.target().size());
     const std::optional<Target> target = parse_target(text);
-    if (!target) return answer_text(http::status::not_found, "there is nothing of that name");
+    if (!target) return answer_text(http::status::not_found, "not found");
     if (target->path == "live") return take_page(std::move(request), *target, origin.has_value());
     for (const ServedFile& file : server_.options.files)
       if (file.name == target->path) return answer_file(file);
     // Browsers request it unasked; the page has none.
     if (target->path == "favicon.ico") return answer_nothing();
-    answer_text(http::status::not_found, "there is nothing of that name");
+    answer_text(http::status::not_found, "not found");
   }
 
   void take_page(http::request<http::string_body> request, const Target& target, bool has_origin) {

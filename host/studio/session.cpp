@@ -45,12 +45,12 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       saved_text_ = record->saved_text;
       saved_paints_ = record->saved_paints;
       if (history_->steps().size() > 1)
-        restored_ = "the session that " + options_.folder.string() + " holds goes on";
+        restored_ = "the session in " + options_.folder.string() + " was restored";
     } else {
-      keep_old_session("held a session of another scene, or of this one as it was before");
+      keep_old_session("contained a session of another scene, or of an older version of this one");
     }
   } else if (std::filesystem::exists(options_.folder / session_file_name)) {
-    keep_old_session("held a session that cannot be read: damaged, or of another version of fascicle");
+    keep_old_session("contained a session that cannot be read: damaged, or from another version of fascicle");
   }
   if (!history_) history_.emplace(base_text_, base_paints_);
 
@@ -67,8 +67,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
     } catch (const scene::SceneError& error) {
       if (restored_.empty()) throw;
-      pipeline::say_warning(say_,
-                            std::string(error.what()) + "; the session begins with the scene as it was");
+      pipeline::say_warning(say_, std::string(error.what()) + "; the session starts from the original scene");
       while (history_->undo()) {
       }
       body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
@@ -107,8 +106,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
 
 void Session::keep_old_session(const std::string& why) {
   base::rename_over(options_.folder / session_file_name, options_.folder / old_session_file_name);
-  pipeline::say_warning(say_,
-                        options_.folder.string() + ": " + why + "; it is kept as " + old_session_file_name);
+  pipeline::say_warning(say_, options_.folder.string() + ": " + why + "; kept as " + old_session_file_name);
 }
 
 Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem::path> beside,
@@ -249,9 +247,8 @@ void Session::send_start(PageId page) {
              {"can_touch", is_live_},
              {"restored", !restored_.empty()}};
   if (!is_live_)
-    hello["why_not"] =
-        "this is a bake: its frames are played, and nothing in them can be touched; fascicle studio " +
-        scene_to_open_ + " opens its scene";
+    hello["why_not"] = "this is a bake: its frames can be played but not changed; fascicle studio " +
+                       scene_to_open_ + " opens its scene";
   if (!restored_.empty()) hello["message"] = restored_;
   send(page, hello);
   send(page, body_message_);
@@ -340,7 +337,7 @@ void Session::let_go() {
 }
 
 void Session::must_be_live() const {
-  if (!is_live_) throw std::runtime_error("this is a bake: its frames can be played, and nothing else");
+  if (!is_live_) throw std::runtime_error("this is a bake: its frames can only be played");
 }
 
 void Session::obey(PageId page, const Command& command) {
@@ -441,12 +438,12 @@ void Session::obey_player(const Command& command) {
         return player_->restart();
     }
   }();
-  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
 }
 
 void Session::obey_hand(PageId page, const Command& command) {
   if (command.action == HandAction::grab || command.action == HandAction::force) {
-    if (hand_of_ && *hand_of_ != page) throw std::runtime_error("another page has the hand");
+    if (hand_of_ && *hand_of_ != page) throw std::runtime_error("another page is holding the flesh");
     const model::Model& model = body_->model();
     std::uint64_t vertex = command.vertex;
     if (!command.is_of_model) {
@@ -475,7 +472,7 @@ void Session::obey_hand(PageId page, const Command& command) {
     });
     return;
   }
-  if (hand_of_ != page) throw std::runtime_error("this page holds nothing");
+  if (hand_of_ != page) throw std::runtime_error("this page is not holding any flesh");
   if (command.action == HandAction::move) {
     // If several targets wait, only the last counts.
     const bool waits = hand_place_.has_value();

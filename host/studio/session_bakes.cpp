@@ -73,7 +73,7 @@ void Session::record() {
                {"hashes", std::move(hashes)},
                {"seconds", recording.seconds}});
   });
-  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
 }
 
 // The current text, with file names relative to the session's folder. `paint_names`: names of the session's
@@ -116,7 +116,7 @@ void Session::save_paints(const std::map<std::string, std::string>& names, bool 
     if (there && !is_own && !overwrite)
       throw std::runtime_error(
           file.string() +
-          " is there already, and this session did not write it; choose another name, or replace it");
+          " already exists, and this session did not write it; choose another name, or replace it");
   }
   // Entries of undone paint stay, because redo may bring it back.
   if (!is_own_name) saved_paints_.clear();
@@ -140,7 +140,7 @@ fs::path Session::save(const Command& command, Json& answer) {
   if (there && !is_own && !command.overwrite)
     throw std::runtime_error(
         path.string() +
-        " is there already, and this session did not write it; choose another name, or replace it");
+        " already exists, and this session did not write it; choose another name, or replace it");
   save_paints(names, name == saved_file_, command.overwrite);
   base::write_whole(path, text);
   saved_file_ = name;
@@ -154,13 +154,13 @@ fs::path Session::save(const Command& command, Json& answer) {
   answer["kept_comments"] = keeps_comments;
   answer["message"] = keeps_comments
                           ? "fascicle bake takes this file"
-                          : "fascicle bake takes this file; a change wrote it anew, and the comments of the "
-                            "scene that it began with are not in it";
+                          : "fascicle bake takes this file; a change rewrote it without the comments of the "
+                            "original scene";
   return path;
 }
 
 void Session::bake(const Command& command) {
-  if (bakes_) throw std::runtime_error("a bake is under way; stop it, or wait for its end");
+  if (bakes_) throw std::runtime_error("a bake is under way; stop it, or wait until it ends");
   const std::string folder = command.name.empty() ? "bake" : command.name;
   if (!command.overwrite && bake::holds_bake(options_.folder / folder))
     throw std::runtime_error((options_.folder / folder).string() +
@@ -238,7 +238,7 @@ void Session::bake(const Command& command) {
           end({{"type", "failed"}, {"what", "bake"}, {"error", error.what()}});
         }
       });
-  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
   bakes_ = true;
 }
 

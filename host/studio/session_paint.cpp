@@ -103,7 +103,7 @@ void Session::paint(PageId page, const StrokePiece& piece) {
   const rig::PaintKind& kind = *piece.brush.kind;
   if (const std::string why = why_no_paint(); !why.empty()) throw std::runtime_error(why);
   if (const double most = most_painted(kind); double{piece.brush.value} > most)
-    throw std::runtime_error("alpha is at most 1, and is multiplied by what is painted; paint 1 or less");
+    throw std::runtime_error("alpha is at most 1, and painted stiffness multiplies it; paint 1 or less");
   if (stroke_ && (stroke_->page != page || stroke_->number != piece.stroke || stroke_->kind != &kind))
     end_stroke();
   const auto vector_of = [](const std::array<double, 3>& v) { return Vector3d(v[0], v[1], v[2]); };
@@ -150,7 +150,7 @@ void Session::keep_stroke(const Stroke& stroke) {
     const rig::Paint paint = stroke.paintings[k].paint();
     auto text = std::make_shared<const std::string>(scene::paint_text(paint));
     if (text->size() > scene::most_paint_bytes)
-      throw std::runtime_error("this is more paint than a file may hold, " +
+      throw std::runtime_error("this is more paint than a file may contain, " +
                                std::to_string(scene::most_paint_bytes >> 20) + " MiB");
     const auto known = before.find(key);
     if (known != before.end() ? *known->second == *text : paint.attributes.empty()) continue;

@@ -78,8 +78,8 @@ TEST(Commands, AreRead) {
 
 TEST(Commands, RefusalsSayWhatIsWrong) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "no JSON"},
-      {"{", "no JSON"},
+      {"", "not valid JSON"},
+      {"{", "not valid JSON"},
       {"7", "one JSON object"},
       {"[]", "one JSON object"},
       {"{}", "type is missing"},
