@@ -283,7 +283,7 @@ void print_characters(const scene::Scene& scene) {
                           place_text(one.settings.turn) + " degrees, " +
                           count_text(one.own.surface.vertices.size()) + " vertices, " +
                           count_text(one.own.skeleton.size()) + " joints" +
-                          (one.settings.rigid ? "; all of its flesh follows its skeleton" : ""));
+                          (one.settings.rigid ? "; all of its flesh follows the skeleton" : ""));
   if (!rows.empty()) std::cout << "characters\n" << columns_text(rows);
 }
 
@@ -430,10 +430,10 @@ void print_text(const scene::Scene& scene, const Built& built) {
   const auto count = [&rows](const char* what, std::uint32_t number) {
     if (number > 0) rows.emplace_back(what, count_text(number));
   };
-  count("tetrahedra turned round", report.flipped_tetrahedra);
-  count("regions whose weights summed to nothing (weights fall back to masses)", report.region_fallbacks);
-  count("vertices whose weights summed to nothing (weights fall back to masses)", report.vertex_fallbacks);
-  count("regions without any weight (skipped)", report.skipped_regions);
+  count("flipped tetrahedra", report.flipped_tetrahedra);
+  count("regions whose weights sum to zero (masses used instead)", report.region_fallbacks);
+  count("vertices whose weights sum to zero (masses used instead)", report.vertex_fallbacks);
+  count("regions without weights (skipped)", report.skipped_regions);
   if (report.fill.riders_outside > 0)
     rows.emplace_back("render vertices outside the body's tetrahedra",
                       count_text(report.fill.riders_outside) + ", least barycentric coordinate " +

@@ -82,7 +82,7 @@ std::optional<render::Looks> looks_of(const std::filesystem::path& character, co
   }
   if (looks.paint_of_vertex.size() != model.surface_count()) {
     log.warning(character.string() +
-                ": its vertices are not those of the baked surface; it is drawn without its colours");
+                ": its vertices do not match the baked surface; it is drawn without its colours");
     return std::nullopt;
   }
   return looks;

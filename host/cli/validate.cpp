@@ -160,7 +160,7 @@ void print_comparison(const Comparison& comparison, const model::Model& model) {
               << base::hash_text(comparison.hashes.last_hash_a) << " and "
               << base::hash_text(comparison.hashes.last_hash_b) << "\n";
   else
-    std::cout << "without probes all position hashes are the same: the fault is in how stages are shown\n";
+    std::cout << "without probes all position hashes are the same: the fault is in how stages are probed\n";
 }
 
 void print_text(const model::Model& model, const Validation& validation) {

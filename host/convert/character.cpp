@@ -141,9 +141,8 @@ void index_names(Character& character) {
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
       const auto found = character.by_name.find(mesh.mBones[b]->mName.C_Str());
       if (found == character.by_name.end() || found->second.size() < 2) continue;
-      character.notes.push_back(
-          "several nodes are named `" + found->first +
-          "`; skins and clips know them by name alone and go to the first without a mesh");
+      character.notes.push_back("several nodes are named `" + found->first +
+                                "`; skins and clips refer to nodes by name and use the first without a mesh");
       return;
     }
   }

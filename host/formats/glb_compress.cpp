@@ -184,10 +184,9 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
     grids_.push_back(grid);
   }
   if (least_bound > 0.0)
-    throw base::BakeError(
-        "--glb-compress " + base::number_text(bound) +
-        ": is finer than 16 bits a coordinate hold for a body of this size; give at least " +
-        base::number_text(std::ceil(least_bound * 1e7) / 1e7));
+    throw base::BakeError("--glb-compress " + base::number_text(bound) +
+                          ": is finer than 16-bit coordinates allow for a body of this size; give at least " +
+                          base::number_text(std::ceil(least_bound * 1e7) / 1e7));
 }
 
 std::size_t GlbCompression::view_of(Kind kind) {

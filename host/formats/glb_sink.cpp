@@ -119,7 +119,7 @@ void GlbSink::read_character(const BakeInfo& info) {
   const json& buffers = document_.json["buffers"];
   if (!file.has_binary || buffers.size() != 1 || buffers[0].contains("uri"))
     throw base::BakeError(info.character.string() +
-                          ": has not all bytes in one buffer of its own; bake again with --overwrite");
+                          ": its bytes are not all in one buffer of the file; bake again with --overwrite");
 }
 
 void GlbSink::begin(const BakeInfo& info) {

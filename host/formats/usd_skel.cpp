@@ -104,7 +104,7 @@ void UsdSkel::bind_objects() {
         poses_.emplace_back(rest_.size());
         if (!bound(part, poses_[s]))
           throw base::BakeError("--usd-skel: the skin of \"" + surface_.objects[object].name +
-                                "\" says two bind poses of one joint; leave the option out");
+                                "\" has two bind poses for one joint; leave the option out");
       }
       skeleton_of_.push_back(s);
       ++object;

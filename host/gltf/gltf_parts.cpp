@@ -114,7 +114,7 @@ class Finder {
       above = (node_transform(model_, node) * above).eval();
     }
     if (part.carrier < 0) return leave_out(part.node, "nothing moves it: no skin, no joint and no clip");
-    if (is_flat(above)) return leave_out(part.node, "it is scaled to nothing in the rest pose");
+    if (is_flat(above)) return leave_out(part.node, "its scale is zero in the rest pose");
     return true;
   }
 

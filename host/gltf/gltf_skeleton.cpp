@@ -157,7 +157,7 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
     // to invert in double precision.
     if (!rest[j].allFinite() || !(std::abs(linear.determinant()) > 1e-12 * size * size * size)) {
       gltf_error(path, "/nodes/" + std::to_string(nodes[j]),
-                 "the joint is scaled to nothing in its rest pose; give it a scale that is not zero");
+                 "the joint has a scale of zero in its rest pose; give it another scale");
     }
     character.skeleton[j].inverse_bind = rig::affine_inverse(rest[j]);
   }

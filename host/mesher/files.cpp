@@ -45,7 +45,7 @@ class Words {
   int count(int words_each) {
     const int value = number<int>();
     const auto rest = static_cast<long long>(text_.size() - at_);
-    if (value < 0 || 2LL * words_each * value > rest + 1) fail("has a count that its size cannot hold");
+    if (value < 0 || 2LL * words_each * value > rest + 1) fail("has a count that its size cannot contain");
     if (value > std::numeric_limits<int>::max() / 8) fail("is too large for TetGen");
     return value;
   }

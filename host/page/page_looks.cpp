@@ -122,8 +122,7 @@ PageLooks page_looks(const std::filesystem::path& character, const model::Model&
   }
   if (looks.material.size() == model.surface_count()) return looks;
   PageLooks plain = plain_looks(model);
-  plain.warnings.push_back(
-      "its vertices are not those of the baked surface; it is shown without its colours");
+  plain.warnings.push_back("its vertices do not match the baked surface; it is shown without its colours");
   return plain;
 }
 

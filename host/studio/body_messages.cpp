@@ -207,7 +207,7 @@ BodyLooks read_body_looks(const std::filesystem::path& character, const model::M
     }
     if (looks.material.size() != model.surface_count()) {
       pipeline::say_warning(
-          say, file + ": its vertices are not those of the surface; it is shown without its colours");
+          say, file + ": its vertices do not match the surface; it is shown without its colours");
       return {};
     }
     std::vector<std::int32_t> numbers;
