@@ -216,7 +216,7 @@ TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
   EXPECT_LT(mean_edge(finer), 0.85 * mean_edge(mesh));
 
   options_.mesher_bytes = std::uint64_t{60} << 20;
-  EXPECT_REFUSED(refusal(surface, 0.5 * own_edge), "60 MiB of memory allowed; ask for");
+  EXPECT_REFUSED(refusal(surface, 0.5 * own_edge), "60 MiB of memory allowed; use");
   EXPECT_REFUSED(refusal(surface, 0.2 * own_edge), "million tetrahedra, more than the 60 MiB of memory");
   options_.mesher_bytes = std::uint64_t{4} << 30;
   EXPECT_REFUSED(refusal(surface, 0.05 * own_edge), "million tetrahedra, more than the 4096 MiB of memory");

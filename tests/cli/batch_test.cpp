@@ -166,14 +166,14 @@ TEST(Batch, BakesAtOnceAsOneAfterTheOther) {
                                    "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.8]\n");
   const Outcome outcome = fascicle({"batch", list, "--at-once", "2", "--threads", "1", "--verbose"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const std::size_t second = outcome.err.find("bar-0.8 begins"), first_end = outcome.err.find("[1/2]");
+  const std::size_t second = outcome.err.find("bar-0.8 starts"), first_end = outcome.err.find("[1/2]");
   ASSERT_NE(second, std::string::npos) << outcome.err;
   EXPECT_LT(second, first_end) << outcome.err;
   const std::vector<std::string> one_by_one{"batch", list, "--at-once", "1", "--overwrite", "--verbose"};
   const json hashes = summary_of(folder);
   const Outcome slow = fascicle(one_by_one);
   ASSERT_EQ(slow.status, 0) << slow.err;
-  EXPECT_GT(slow.err.find("bar-0.8 begins"), slow.err.find("[1/2]")) << slow.err;
+  EXPECT_GT(slow.err.find("bar-0.8 starts"), slow.err.find("[1/2]")) << slow.err;
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_EQ(hashes.at(k).at("last_position_hash"), summary_of(folder).at(k).at("last_position_hash"));
 }

@@ -41,9 +41,9 @@ CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzin
 
 ## How to run it
 
-`./do reliability` takes hours. `./do reliability ROW...` runs single rows, and `--write` puts their results on this
-page. `--share 0.1` runs a tenth. `FASCICLE_SEED` repeats the random choices of a run; its moments still depend on how
-fast the machine is.
+`./do reliability` takes hours. `./do reliability ROW...` runs single rows, `./do reliability ROW... --write` also puts
+their results on this page, and `./do reliability --share 0.1` does a tenth of each. `FASCICLE_SEED` repeats the random
+choices of a run; its moments still depend on how fast the machine is.
 
 These results are from %(machine)s.
 """

@@ -254,7 +254,7 @@ TEST(SceneText, RefusesWhatDoesNotFitTogether) {
       {body + "[pin.a]\nwhere = {}\n", "sample.toml:4: pin.a.where: lacks one of box"},
       {body + "[pin.a]\nwhere = { everywhere = false }\n", "sample.toml:4: pin.a.where.everywhere: is false"},
       {body + "[pin.a]\nwhere = { below = { value = 1, fraction = 1 } }\n",
-       "sample.toml:4: pin.a.where.below.fraction: stands"},
+       "sample.toml:4: pin.a.where.below.fraction: conflicts"},
       {body + "[pin.a]\nwhere = { bone_distance = { maximum = 1 } }\n",
        "sample.toml:4: pin.a.where.bone_distance: the scene has no bones"},
       {body + "[pin.a]\nwhere = { box = { minimum = [0, 1, 0], maximum = [1, 0, 1] } }\n",
