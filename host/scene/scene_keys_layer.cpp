@@ -107,9 +107,9 @@ const auto& contact_rows() {
                   "Contact between characters and with props does not depend on this."}),
       key(&ContactSettings::distance,
           {.name = "distance",
-           .doc = "Flesh closer than this at rest, and not far apart along the body, is not in contact, m. "
-                  "Default: twice the mean edge length of the tetrahedra's surface. At most a tenth of the "
-                  "body's diagonal, or four of these edges if that is more.",
+           .doc = "Margin, m: flesh closer than this at rest, and not far apart along the body, is not in "
+                  "contact. Default: twice the mean edge length of the tetrahedra's surface. At most a tenth "
+                  "of the body's diagonal, or four of these edges if that is more.",
            .range = positive(1e3)}),
       key(&ContactSettings::friction, {.name = "friction",
                                        .doc = "Coulomb friction coefficient between flesh and flesh.",

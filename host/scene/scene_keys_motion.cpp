@@ -38,7 +38,8 @@ const auto& solver_rows() {
       key(&SolverSettings::quality,
           {.name = "quality",
            .doc = "Accuracy of the implicit integrator with substeps = \"auto\". draft: at least 240 "
-                  "substeps per second; normal: 480; final: 1440, with at most a sixth of normal's error."})};
+                  "substeps per second; normal: 480; final: 1440, with a seventh to two thirds of "
+                  "normal's error, depending on the motion."})};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

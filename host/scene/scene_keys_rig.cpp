@@ -165,7 +165,8 @@ const auto& force_rows() {
 const Table& bone_table() {
   static const Table table = with_keys(
       {.name = "bone",
-       .doc = "A bone drawn as a segment that layers can be measured from, as in a mesh without a skeleton."},
+       .doc = "A bone drawn as a segment, from which layers can be measured, for example in a mesh without a "
+              "skeleton."},
       bone_rows());
   return table;
 }
