@@ -86,7 +86,7 @@ Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cag
                       std::to_string(static_cast<int>(std::lround(cage.skin_spacing.ratio()))) +
                       " from the 1st to the 99th percentile"};
   if (skin.welded.surface.vertices.size() > scene.body.vertices.value_or(default_vertices))
-    return {true, "the skin alone has more vertices than requested"};
+    return {true, "the skin alone has more vertices than the whole body should have"};
   return {false, "the skin encloses a volume and is even"};
 }
 

@@ -259,9 +259,8 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
     warn(report,
          parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
                             "it fall for ever"
-                          : counted(falling.size(), "part", "parts") +
-                                " without a vertex that is pinned or moved by bones: gravity makes them "
-                                "fall for ever",
+                          : counted(falling.size(), "part has", "parts have") +
+                                " no vertex that is pinned or moved by bones, and will fall for ever",
          falling);
 }
 

@@ -140,12 +140,13 @@ void warn_of_loose_parts(const Model& model, const std::vector<char>& slides, Re
     if (skin[p] && !held[p]) loose.push_back(lowest[p]);
   std::sort(loose.begin(), loose.end());
   if (some && !loose.empty())
-    warn_of_flesh(report,
-                  counted(loose.size(), "part", "parts") +
-                      " of the sliding layers without a pin or a bone: a layer that does not close around "
-                      "the body slides off it (vertex " +
-                      list_of(loose) + ")",
-                  loose);
+    warn_of_flesh(
+        report,
+        counted(loose.size(), "part of the sliding layers has", "parts of the sliding layers have") +
+            " no vertex that is pinned or moved by bones: a layer that does not close around the body slides "
+            "off it (vertex " +
+            list_of(loose) + ")",
+        loose);
 }
 
 }  // namespace

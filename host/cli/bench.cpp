@@ -267,7 +267,9 @@ class Bench {
     const BenchComparison comparison = compare_bench(results_, before_);
     std::cout << "against " << arguments_.against << "\n" << comparison.text;
     if (comparison.text.empty()) std::cout << "  it has no row that matches this run\n";
-    if (comparison.slower > 0) log_.warning(std::to_string(comparison.slower) + " rows became slower");
+    if (comparison.slower > 0)
+      log_.warning(std::to_string(comparison.slower) +
+                   (comparison.slower == 1 ? " row became slower" : " rows became slower"));
   }
 
   const BenchArguments& arguments_;

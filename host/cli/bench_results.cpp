@@ -115,15 +115,15 @@ std::string bench_table(const BenchResults& results) {
             number_text(rate, 3) + " GB/s";
   for (const auto& [device, rate] : results.copy)
     text += "\n" + device + ", " + results.machine.gpus.at(device) + ", copies " + number_text(rate, 4) +
-            " GB/s: the floor of " + number_text(floor_bytes, 3) + " bytes is " +
-            number_text(floor_bytes / rate, 3) + " ns";
+            " GB/s: at least " + number_text(floor_bytes / rate, 3) + " ns for " +
+            number_text(floor_bytes, 3) + " bytes per vertex";
   const std::vector<std::size_t> widths{18, 11, 8, 11, 9, 9, 9, 7, 9, 10};
   const auto line = [&](const std::vector<std::string>& cells) {
     text += "\n ";
     for (std::size_t k = 0; k < cells.size(); ++k) text += " " + padded(cells[k], widths[k]);
     text.erase(text.find_last_not_of(' ') + 1);
   };
-  text += "\nns a vertex and substep, of an implicit one a vertex and iteration:";
+  text += "\nns per vertex and substep, or per vertex and iteration of an implicit one:";
   line({"device", "integrator", "mesh", "vertices", "threads", "median", "least", "bytes", "of triad",
         "peak bytes"});
   for (const BenchRow& row : results.rows)

@@ -451,7 +451,7 @@ class Batch {
                                       [](const Outcome& outcome) { return word_of(outcome) == "done"; });
     if (!interrupted && are_done) return ExitCode::done;
     log_.warning(asked_.overwrite
-                     ? "interrupted; the same command with --resume (and without --overwrite) continues, "
+                     ? "interrupted; the same command with --resume (and without --overwrite) continues; "
                        "with --overwrite it starts again"
                      : "interrupted; the same command with --resume continues");
     return ExitCode::interrupted;

@@ -115,7 +115,7 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
   const std::string head =
       is_yaml
           ? "# An Open Job Description template of bakes, written by `fascicle batch --emit openjd`. It is\n"
-            "# JSON, which YAML 1.2 holds.\n"
+            "# JSON, which is also valid YAML 1.2.\n"
           : "";
   base::write_whole(file, head + whole.dump(2, ' ', false, TemplateJson::error_handler_t::replace) + "\n");
 }

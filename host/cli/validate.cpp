@@ -175,7 +175,7 @@ void print_text(const model::Model& model, const Validation& validation) {
                  "rotation is ill\n"
                  "  conditioned; the paper's bars stay below 3e-5, fine uneven meshes reached 1e-4; a wrong "
                  "formula\n"
-                 "  moves the body by percents)\n";
+                 "  moves the body by several percent)\n";
 }
 
 // Shows one bar after another, each named after the current activity.

@@ -479,9 +479,9 @@ SinkReport GlbSink::report() const {
     report.warnings.push_back("surface.glb has " + base::number_text(count) +
                               " morph targets; viewers in browsers (WebGL 2) load at most " +
                               base::number_text(std::uint64_t{most_in_browsers}) +
-                              ": --glb-error 0.002 takes as few as keep within 2 mm, --glb-stride " +
-                              base::number_text((frames + most_in_browsers - 2) / (most_in_browsers - 1)) +
-                              " takes every so many frames");
+                              "; try --glb-error 0.002, which writes only as many as keep within 2 mm, "
+                              "or --glb-stride " +
+                              base::number_text((frames + most_in_browsers - 2) / (most_in_browsers - 1)));
   return report;
 }
 

@@ -389,7 +389,7 @@ PageResult BakePage::go() {
   if (used_.source.size() * bake_.frame_count() > most_points)
     throw base::BakeError(options_.bake.string() + ": " + base::number_text(bake_.frame_count()) +
                           " frames of " + base::number_text(used_.source.size()) +
-                          " vertices are too much for a page; bake a shorter range (--start, --end)");
+                          " vertices are too many for a page; bake a shorter range (--start, --end)");
   result_.frames = bake_.frame_count();
   result_.vertices = surface_.is_tetrahedra ? model.vertex_count : model.surface_count();
   result_.triangles = surface_.triangles.size();

@@ -203,11 +203,11 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
 
 void say_result(const bake::BakeResult& result, const Say& say) {
   if (result.clamped.regions > 0)
-    say_warning(say,
-                "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
-                    std::to_string(result.clamped.frame) +
-                    " would bulge or thin by more than a factor of four and were limited to that; a lower "
-                    "gain avoids it");
+    say_warning(say, "muscles: " + std::to_string(result.clamped.regions) +
+                         (result.clamped.regions == 1 ? " region" : " regions") + " in frame " +
+                         std::to_string(result.clamped.frame) +
+                         " would bulge or thin by more than a factor of four, which is the limit; a lower "
+                         "gain avoids it");
   for (const std::string& image : result.missing_images)
     say_warning(say, "the character's image " + image +
                          " was not found; character.glb has a white pixel in its place");

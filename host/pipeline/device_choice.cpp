@@ -48,7 +48,7 @@ DeviceRequest parse_device(const std::string& text) {
   if (text.starts_with(level_prefix)) {
     const auto level = cpu_reference::simd_named(text.substr(level_prefix.size()));
     if (level && *level != Simd::automatic) return {.kind = DeviceRequest::Kind::cpu, .simd = *level};
-    throw UsageError("device \"" + text + "\" is unknown; after cpu: use " +
+    throw UsageError("device \"" + text + "\" is unknown; after cpu: give one of " +
                      levels_text({Simd::scalar, Simd::baseline, Simd::sse4, Simd::avx2, Simd::avx512}));
   }
   const std::string prefix = "vulkan:";

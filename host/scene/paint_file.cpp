@@ -100,9 +100,10 @@ class Reader {
     if (!vertices.is_array()) fail(pointer + "/vertex", "takes a list of whole numbers");
     if (!values.is_array()) fail(pointer + "/value", "takes a list of numbers");
     if (values.size() != kind.width * vertices.size())
-      fail(pointer + "/value", "has " + std::to_string(values.size()) + " numbers for " +
-                                   std::to_string(vertices.size()) + " vertices; " +
-                                   std::to_string(kind.width) + " per vertex are needed");
+      fail(pointer + "/value",
+           "has " + std::to_string(values.size()) + (values.size() == 1 ? " number for " : " numbers for ") +
+               std::to_string(vertices.size()) + (vertices.size() == 1 ? " vertex; " : " vertices; ") +
+               "must be " + std::to_string(kind.width) + " per vertex");
     rig::PaintedVertices read{kind.name, {}, {}};
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const std::string here = pointer + "/vertex/" + std::to_string(k);

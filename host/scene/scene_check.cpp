@@ -147,7 +147,7 @@ void check_name_lists(const toml::node& node, const Key& key, const std::string&
     if (names->empty() || names->size() > 2)
       fail(names->source(), inner,
            "has " + std::to_string(names->size()) +
-               " names; give two that do not meet each other, or one that meets nothing");
+               " names; give two that have no contact with each other, or one that has none at all");
     for (std::size_t k = 0; k < names->size(); ++k)
       if (!(*names)[k].is_string())
         fail((*names)[k].source(), inner + "[" + std::to_string(k) + "]",

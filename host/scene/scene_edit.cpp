@@ -46,7 +46,7 @@ std::string toml_text(const Json& value, bool whole) {
       return text.empty() ? "{}" : text + " }";
     }
     default:
-      throw SceneError("a value must not be null; leave the key out to take it out");
+      throw SceneError("a value must not be null; to remove a key, leave it out");
   }
 }
 

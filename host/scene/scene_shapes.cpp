@@ -46,7 +46,7 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
   if (kind == "everywhere") {
     bool everywhere = false;
     read(table, "everywhere", everywhere);
-    if (!everywhere) fail(table.source(), join_path(path, kind), "is false; leave it out, or say true");
+    if (!everywhere) fail(table.source(), join_path(path, kind), "is false; set it to true, or leave it out");
     return Everywhere{};
   }
   const toml::table& inner = *table.begin()->second.as_table();

@@ -115,11 +115,12 @@ void read_motion(const toml::table& root, Scene& scene) {
     if (!motion.cuts.empty()) refuse("cuts", "takes a [character], whose clip it cuts; leave it out");
   }
   if (motion.seamless && motion.loop > 1)
-    refuse("loop", "contradicts seamless, which writes one cycle; leave one of them out");
+    refuse("loop", "conflicts with seamless, which writes one cycle; leave one of them out");
   if (motion.seamless && motion.hold > 0.0)
-    refuse("hold", "contradicts seamless, whose end is its beginning; leave one of them out");
+    refuse("hold", "conflicts with seamless, which ends as it begins; leave one of them out");
   if (motion.handles > 0 && (motion.seamless || motion.loop > 1))
-    refuse("handles", "contradicts seamless and loop, whose clip goes on by itself; leave one of them out");
+    refuse("handles",
+           "conflicts with seamless and loop, which repeat the clip; leave handles out, or the others");
   if (motion.interpolation == KeyInterpolation::smooth)
     smooth_clips(scene, motion.seamless || motion.loop > 1);
   add_handles(scene);

@@ -72,7 +72,7 @@ TEST(Handles, DoNotStandBesideCycles) {
       arm_scene("[motion]\n" + other + "\nhandles = 2\n");
       ADD_FAILURE() << other;
     } catch (const scene::SceneError& error) {
-      EXPECT_NE(std::string(error.what()).find("motion.handles: contradicts seamless and loop"),
+      EXPECT_NE(std::string(error.what()).find("motion.handles: conflicts with seamless and loop"),
                 std::string::npos)
           << error.what();
     }

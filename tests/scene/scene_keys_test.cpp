@@ -423,7 +423,8 @@ TEST_F(SceneKeys, IgnoredContactIsListsOfOneOrTwoNames) {
       {"[]", "contact.ignore: is empty; leave it out, or name something"},
       {"[\"tail\"]", "contact.ignore[0]: takes an array of one or two names, [\"a\", \"b\"], not text"},
       {"\"tail\"", "contact.ignore: takes an array of arrays of one or two texts in quotes, not text"},
-      {"[[\"fat\"], []]", "contact.ignore[1]: has 0 names; give two that do not meet each other, or one"},
+      {"[[\"fat\"], []]",
+       "contact.ignore[1]: has 0 names; give two that have no contact with each other, or one"},
       {"[[\"a\", \"b\", \"c\"]]", "contact.ignore[0]: has 3 names"},
       {"[[\"fat\", 2]]", "contact.ignore[0][1]: takes text in quotes, not a whole number"}};
   for (const auto& [value, reason] : refused)
