@@ -32,7 +32,7 @@ double seconds_of(Device::Impl& device, int repeats, const Record& record) {
   return timestamps.elapsed(0).value_or(waited.count() * 1e9) * 1e-9;
 }
 
-// The stages of a body without a skeleton, ties or limits.
+// The kernels of the plan, except skin, tie and those of stage limit.
 std::vector<StageKernel> stages_of(const model::Model& model, const model::SolverOptions& options) {
   model::SubstepPlan plan = substep_plan(model, options, false);
   std::erase_if(plan, [](const model::Block& b) { return b.repeat == model::Block::Repeat::limit_passes; });

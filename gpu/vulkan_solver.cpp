@@ -39,7 +39,7 @@ RecorderOptions recorder_options(const Experiments& experiments) {
           experiments.on_dispatch};
 }
 
-// After a DeviceError from any call the solver's state is undefined; it can only be destroyed.
+// After a DeviceError from any call the solver's state is undefined; destroying it is always allowed.
 class VulkanSolver : public model::Solver {
  public:
   VulkanSolver(Device& device, const Model& model, const model::SolverOptions& options,

@@ -58,7 +58,7 @@ BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
 // State of an implicit model. One vec4 per vertex.
-BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep earlier; from predict on the substep's start
+BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep earlier; from predict on, this one's start
 BUFFERS_CONSTANT uint buffer_velocity_before = 36u;
 BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
 BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the iterate before the last

@@ -69,7 +69,7 @@ double share_until_near(const shader::Collider& solid, const Vector3d& p0, const
   return high;
 }
 
-// The part of `sliding` that Coulomb friction removes if `pressed` is the normal impulse.
+// The part of `sliding` that Coulomb friction removes under a push of `pressed` along the normal.
 Vector3d held_by_friction(const Vector3d& sliding, double pressed, double friction) {
   const double slid = sliding.norm();
   return slid > 0.0 ? Vector3d(std::min(1.0, friction * pressed / slid) * sliding) : Vector3d(sliding);
@@ -120,7 +120,7 @@ Collided collided(const model::Model& model, std::span<const shader::Collider> s
     Vector3d away;
   };
   std::vector<Pressed> order;  // the newest is last
-  // Repeats until every solid has been passed without a touch since the last one.
+  // Repeats until every solid has been passed since the last touch.
   std::size_t looks = 0, left = solids.size();
   for (; left > 0 && looks < shader::collide_passes * solids.size(); ++looks, --left) {
     const std::size_t k = looks % solids.size();

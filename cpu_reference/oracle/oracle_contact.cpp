@@ -27,7 +27,7 @@ constexpr double most_settling = 4.0;
 // The part of the depth that an iteration of the implicit integrator removes: a share at most, and a rate per
 // second.
 constexpr double most_depth_share = 0.5, depth_rate = 180.0;
-// From this share of its margin on, a contact is held fully; above it, less.
+// A contact at least this share of its margin deep is held fully, a shallower one less.
 constexpr double full_depth = 1.0 / 32.0;
 
 // Columns: the edges from the first corner.

@@ -1,5 +1,5 @@
-// The implicit integrator's formulas in double precision, method "Time step": stiffness in Pa, BDF2, and the
-// fixed point. They are ours and not the paper's.
+// The implicit integrator's formulas in double precision: stiffness in Pa, BDF2, and the fixed point.
+// They are ours and not the paper's.
 #pragma once
 
 #include <cstdint>

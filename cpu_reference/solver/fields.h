@@ -74,7 +74,7 @@ struct Fields {
   Floats tied{memory};                // 4: accelerations by ties, empty without ties
   std::vector<float> surface;         // 3 per render vertex
   // Implicit models only, else empty.
-  Floats positions_before{memory};   // 4, a substep earlier; from predict on the substep's start
+  Floats positions_before{memory};   // 4, a substep earlier; from predict on, this one's start
   Floats velocities_before{memory};  // 4
   Floats iterate_before{memory};     // 4: the iterate before the last; in stage limit the pass's start
   // Models with limits only, else empty.

@@ -6,7 +6,7 @@
 namespace fascicle::base {
 
 // explicit_step: the paper's (4)(5), with stiffness given as alpha per substep. implicit_step: the fixed
-// point q = y + a (g(q) - y), with stiffness given as Young's modulus (method, "Time step").
+// point q = y + a (g(q) - y), with stiffness given as Young's modulus (docs/design/integrators.md).
 enum class Integrator { explicit_step, implicit_step };
 constexpr auto names_of(Integrator) {
   return std::array{"explicit", "implicit"};

@@ -104,7 +104,8 @@ double exact_acos(double x) {
   if (x != x) throw std::domain_error("the arc cosine of NaN");
   if (x >= 1.0) return 0.0;
   if (x <= -1.0) return 2.0 * half_pi;
-  // Near +-1, pi/2 - asin x would cancel. The half angle's sine keeps its digits, and 1 - |x| is exact there.
+  // Beyond +-1/2 the series is too short, and near 1 pi/2 - asin x would cancel: the half angle's sine keeps
+  // its digits, and 1 - |x| is exact there.
   if (x > 0.5) return 2.0 * asin_series(std::sqrt((1.0 - x) * 0.5));
   if (x < -0.5) return 2.0 * (half_pi - (asin_series(std::sqrt((1.0 + x) * 0.5)) - half_pi_rest));
   return half_pi - (asin_series(x) - half_pi_rest);

@@ -42,13 +42,13 @@ struct BoneChoice {
 
 // Coordinates are multiplied by `scale`. Bones run from each chosen joint to each of the next chosen joints
 // below it, or to where its skin merges into another's. A chosen joint that ends a chain gets a bone towards
-// the middle of its skin, as long as most of that skin reaches. Every JointReport gets its reason.
+// the middle of its skin, as far as most of that skin reaches. Every JointReport gets its reason.
 //
 // Ends (head, hand, foot) are kinematic: their flesh follows the skeleton. So are joints that are not bones,
-// except those whose flesh lies on a trunk: openness of at least least_open_flesh, and either the bone above
-// ends no chain, or the share is large enough for a bone (jowls). A joint that a clip turns by more than 20
-// degrees against its parent (a pig's ear) carries no such flesh. A joint that ends a chain beside another
-// bone of its parent, and whose skin lies around that bone (a twist joint), is part of that bone.
+// except those whose flesh lies on a trunk: openness of at least least_open_flesh, and either a bone above it
+// that ends no chain, or a share that is large enough for a bone (jowls). A joint that a clip turns by more
+// than 20 degrees against its parent (a pig's ear) carries no such flesh. A joint that ends a chain beside
+// another bone of its parent, and whose skin lies around that bone (a twist joint), is part of that bone.
 //
 // `settings` can override all of this. Throws scene::SceneError for names that no joint has, and for a
 // singular inverse bind matrix.

@@ -11,7 +11,7 @@ namespace fascicle::build {
 // Where the skin's vertices are in the cage.
 struct Hold {
   std::vector<std::uint32_t> home;  // as in BodyMesh
-  std::vector<double> coordinate;   // each one's least barycentric there; negative: it sticks out
+  std::vector<double> coordinate;   // each one's least barycentric coordinate there; negative: it sticks out
   double least = 0.0;               // over all vertices
 };
 

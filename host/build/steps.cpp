@@ -16,7 +16,7 @@ namespace {
 
 constexpr double radians_a_turn = 2.0 * std::numbers::pi;
 constexpr const char* stated = "set by the scene";
-// For a scene that states its substeps: more iterations cost no further substeps, so even a few go far.
+// For a scene that states its substeps. High, so that even long substeps get the iterations they need.
 constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
 constexpr std::uint32_t most_substeps = 1000;
 

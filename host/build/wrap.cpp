@@ -57,7 +57,8 @@ double vertices_at(const mesh::SurfaceMesh& surface, double edge) {
   return 4.0 / std::sqrt(3.0) * area / (edge * edge);
 }
 
-// By the order. If thin parts make `alpha` smaller than the scene's, there are more.
+// The expected number of vertices of the wrap and of its filling. If thin parts make `alpha` smaller than the
+// scene's gap, there are more.
 double vertices_due(const mesh::SurfaceMesh& surface, const WrapOrder& order) {
   const double by_gap = vertices_at(surface, order.gap > 0.0 ? order.gap : order.alpha);
   if (order.edge) return by_gap + vertices_at(surface, *order.edge);

@@ -1,9 +1,9 @@
 // How deep the points of contact lie in flesh: Model::contact_depth.
 //
-// The first n numbers give each vertex's distance at rest to the boundary of all flesh that points may meet.
-// Then come n more for each group of Model::contact_group up to the highest one used: the distance to the
-// boundary of the flesh without that group. So a point that passes through flesh it ignores into flesh it
-// does not ignore starts with a small depth.
+// In working units. First come n distances at rest, from each vertex to the boundary of all flesh that points
+// may meet. Then come n more for each group of Model::contact_group up to the highest one used: the distance
+// to the boundary of the flesh without that group. So a point that passes through flesh it ignores into flesh
+// it does not ignore starts with a small depth.
 #pragma once
 
 #include <bit>

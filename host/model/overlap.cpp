@@ -165,7 +165,7 @@ constexpr double least_deeper = 0x1p-20;
 
 constexpr std::uint32_t block_size = 16;             // points
 constexpr std::uint32_t leaf_size = 32;              // tetrahedra
-constexpr std::uint32_t group_size = leaf_size / 4;  // a quarter of a leaf's
+constexpr std::uint32_t group_size = leaf_size / 4;  // tetrahedra, four groups per leaf
 constexpr std::uint32_t fan = 4;                     // boxes per parent box
 
 // Finds which points lie in which tetrahedra, for one shape. The boxes of tetrahedra form a tree; each box is

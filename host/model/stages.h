@@ -131,7 +131,7 @@ struct FieldTraits {
   // Floats per item as shown to a probe; 0: never shown. The GPU's items may hold more.
   std::uint32_t floats;
   KernelItems items;
-  bool (Model::*is_kept)() const = nullptr;  // the models for which the GPU keeps it; null: all
+  bool (Model::*is_kept)() const = nullptr;  // models for which the GPU keeps it; null: all with items
 };
 inline constexpr FieldTraits field_rows[] = {
     {Field::position, "position", shader::buffer_position, 16, 3, KernelItems::vertices},
