@@ -183,7 +183,7 @@ void pack_views(gltf::GltfDocument& document, const std::set<std::size_t>& perha
     const std::size_t length = view["byteLength"];
     const Content& content = contents[v];
     if (content.was_dropped && content.accessors == 0 && !content.stays) {
-      // Views are referred to by index, so a placeholder stays.
+      // Views are referred to by index, so this one stays, as a view of one byte.
       view = {{"buffer", 0}, {"byteLength", 1}};
       continue;
     }

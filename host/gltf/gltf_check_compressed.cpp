@@ -67,7 +67,7 @@ std::optional<GltfPlace> GltfCheck::extension(const GltfPlace& owner, const char
   return object({extensions, owner.pointer + "/extensions"}, name);
 }
 
-// A placeholder buffer for readers without meshopt; this reader decodes its views from elsewhere.
+// The fallback buffer for readers without meshopt; this reader decodes its views from elsewhere.
 bool GltfCheck::is_fallback(const GltfPlace& buffer) const {
   return std::any_of(meshopt_names.begin(), meshopt_names.end(), [&](const char* name) {
     const std::optional<GltfPlace> found = extension(buffer, name);

@@ -87,7 +87,7 @@ double shortened(double value) {
   return value;
 }
 
-// In a single pass, so that a placeholder in the title is not replaced.
+// In a single pass, so that a mark in the title is not replaced.
 std::string filled_bundle(const std::string& title, const std::string& bake) {
   std::string page;
   std::string_view rest = view_bundle();

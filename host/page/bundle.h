@@ -5,7 +5,7 @@
 
 namespace fascicle::page {
 
-// A complete HTML page with placeholders for a title and a bake (bake_page.cpp).
+// A complete HTML page with marks where a title and a bake go (bake_page.cpp).
 std::string_view view_bundle();
 
 }  // namespace fascicle::page

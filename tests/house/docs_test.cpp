@@ -106,7 +106,7 @@ std::vector<std::string> unreached(const std::vector<Source>& pages) {
   return lost;
 }
 
-// Paths in `code` that begin with a room but do not exist. Names with capitals or wildcards are placeholders:
+// Paths in `code` that begin with a room but do not exist. Names with capitals or wildcards are patterns:
 // `shaders/NAME.comp`, `bench/results/*`. Built or baked files are not in rooms.
 std::vector<std::string> missing_paths(const Source& page, const std::set<std::string>& paths) {
   static const std::regex path(
