@@ -34,16 +34,21 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
   const std::string owned = "/" + std::string(given);
   for (const std::string& name : names)
     if (!given.empty() && name.ends_with(owned)) return name;
-  const auto nearest =
-      std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-        return edit_distance(given, a) < edit_distance(given, b);
-      });
-  if (nearest == names.end()) return {};
   // One typo counts as near, however short the name is.
   constexpr std::size_t letters_a_slip = 3;
-  const std::size_t longest = std::max({given.size(), nearest->size(), letters_a_slip});
-  const bool is_near = letters_a_slip * edit_distance(given, *nearest) <= longest;
-  return is_near ? *nearest : std::string{};
+  const std::string* nearest = nullptr;
+  std::size_t least = 0;
+  for (const std::string& name : names) {
+    const std::size_t most = std::max({given.size(), name.size(), letters_a_slip}) / letters_a_slip;
+    const std::size_t longer = std::max(given.size(), name.size()) - std::min(given.size(), name.size());
+    // Most names are ruled out by their length, without the slow comparison of their letters.
+    if (longer > most || (nearest && longer >= least)) continue;
+    const std::size_t distance = edit_distance(given, name);
+    if (distance > most || (nearest && distance >= least)) continue;
+    nearest = &name;
+    least = distance;
+  }
+  return nearest ? *nearest : std::string{};
 }
 
 std::string nearest_name_hint(std::string_view given, const std::vector<std::string>& names) {

@@ -28,6 +28,16 @@ TEST(NearestName, LeavesOtherWordsAlone) {
   EXPECT_EQ(base::nearest_name("paint", {}), "");
 }
 
+// Five letters are added to the first, a third of the whole; four of ten differ in the second, which is more.
+TEST(NearestName, TakesTheNearestOfThoseThatAreNear) {
+  EXPECT_EQ(base::nearest_name("collisions", {"collisions_only", "cxllxsxxns"}), "collisions_only");
+}
+
+TEST(NearestName, TakesTheFirstInATie) {
+  EXPECT_EQ(base::nearest_name("paxnt", {"painting", "point", "paint", "pant"}), "paint");
+  EXPECT_EQ(base::nearest_name("paxnt", {"pant", "paint"}), "pant");
+}
+
 TEST(NearestName, FindsWhatAnOwnerHas) {
   EXPECT_EQ(base::nearest_name("hand", {"land", "left/hand"}), "left/hand");
 }
