@@ -34,8 +34,8 @@
 #                         bake under Vulkan's validation layer and Valgrind; write docs/reliability.md (hours)
 #   ./do mutants [ROOM...] [--count N] [--write]   mutation testing: plant small faults one at a time and check that the
 #                         tests find them; --write records the faults that survive in docs/tests.md (hours)
-#   ./do sanitize [PRESET] [--write] [CTEST...]   run the tests under the sanitizers of asan or tsan and count reports;
-#                         --write records them in docs/tests.md (an hour)
+#   ./do sanitize [PRESET] [--write] [SUITE...]   run suites of tests, such as bake, under the sanitizers of asan or tsan
+#                         and count reports; --write records each suite in docs/tests.md (hours)
 #   ./do coverage [--write] [--missed] [CTEST...]   run the tests and count the lines of the rooms that they cover;
 #                         --write records them in docs/tests.md, --missed lists files (an hour)
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   fuzz the file readers with libFuzzer, a minute

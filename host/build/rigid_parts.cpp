@@ -220,7 +220,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     else if (!is_found)
       report.reason = "requested; the rest of its part is soft";
     else if (all_hard)
-      report.reason = "every part is moved by one joint: this is a robot, which has no flesh";
+      report.reason = "each part is moved by a single joint: a robot, which has no flesh";
     else
       report.reason = (part.is_hard ? "a separate part moved by one joint"
                                     : "a separate part moved by one blend of joints") +

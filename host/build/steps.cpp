@@ -15,7 +15,7 @@ namespace fascicle::build {
 namespace {
 
 constexpr double radians_a_turn = 2.0 * std::numbers::pi;
-constexpr const char* stated = "set by the scene";
+constexpr const char* stated = "the value of solver.substeps";
 // For a scene that states its substeps. High, so that even long substeps get the iterations they need.
 constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
 constexpr std::uint32_t most_substeps = 1000;

@@ -24,7 +24,7 @@ struct StepError {
 struct Steps {
   std::uint32_t substeps = 1;     // per frame
   std::uint32_t iterations = 20;  // per implicit substep
-  std::string reason;             // "set by the scene", or what requires so many substeps
+  std::string reason;             // "the value of solver.substeps", or what requires so many substeps
   StepError error = {};           // of an implicit model
 };
 

@@ -217,7 +217,10 @@ def main():
             tried = try_room(room, asked.count, temporary)
         living = [["`%s:%d`" % (name, number), *("`%s`" % text.replace("|", "\\|") for text in (line, made)),
                    known.get((name, line, made), UNKNOWN)] for name, number, line, made, found in tried if not found]
-        ran[room] = {"planted": len(tried), "found": len(tried) - len(living), "living": living}
+        ran[room] = {"planted": len(tried), "found": len(tried) - len(living), "living": living,
+                     "commit": page.commit()}
+        if asked.write:  # other rooms keep their earlier figures
+            page.put("mutants", {"rooms": {**page.kept("mutants").get("rooms", {}), room: ran[room]}})
         if ran[room]["found"] < LEAST * len(tried):
             print("mutants: %s: %s were found, below %s" % (room, page.share(ran[room]["found"], len(tried)),
                                                             page.share(LEAST, 1)))
@@ -226,11 +229,7 @@ def main():
             if row[-1] == UNKNOWN:
                 print("mutants: %s: nobody has said why it lives (living.txt)" % row[0])
                 status = 1
-    # Rooms that did not run keep their earlier figures.
-    figures = {"rooms": {**page.kept("mutants").get("rooms", {}), **ran}}
-    print("seed %d\n%s" % (seed, page.mutants_text({**figures, "about": ""})))
-    if asked.write:
-        page.put("mutants", figures)
+    print("seed %d\n%s" % (seed, page.mutants_text({"rooms": ran})))
     return status
 
 

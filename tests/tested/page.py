@@ -7,6 +7,7 @@ import subprocess
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 FIGURES = os.path.join(ROOT, "docs", "tests.json")
 FILE = os.path.join(ROOT, "docs", "tests.md")
+SANITIZERS = ("asan", "tsan")
 
 PAGE = """# What the tests are worth
 
@@ -49,11 +50,19 @@ def share(part, whole):
     return "%.1f %%" % (100.0 * part / whole) if whole else "-"
 
 
+def time_text(seconds):
+    return "%.0f s" % seconds if seconds < 100 else "%.0f min" % (seconds / 60)
+
+
 def sanitizers_text(figures):
-    rows = [("`%s`" % preset, one["which"], one["tests"], one["skipped"], one["failed"], one["reports"],
-             "%.0f min" % (one["seconds"] / 60)) for preset, one in sorted(figures["presets"].items())]
-    head = ("preset", "which tests", "tests", "skipped", "failed", "reports", "time")
-    return table(head, rows) + "\n" + figures["about"]
+    tables = []
+    for preset, ran in sorted(figures["presets"].items()):
+        rows = [("`%s`" % name, one["tests"], one["skipped"], one["failed"], one["reports"], time_text(one["seconds"]),
+                 one["commit"]) for name, one in sorted(ran.items())]
+        total = [sum(one[key] for one in ran.values()) for key in ("tests", "skipped", "failed", "reports", "seconds")]
+        head = ("`%s`: suite" % preset, "tests", "skipped", "failed", "reports", "time", "commit")
+        tables.append(table(head, [*rows, ("all of these", *total[:4], time_text(total[4]), "")]))
+    return "\n".join(tables)
 
 
 def coverage_text(figures):
@@ -67,24 +76,29 @@ def coverage_text(figures):
 
 def mutants_text(figures):
     rooms = figures["rooms"]
-    rows = [("`%s`" % room, one["planted"], one["found"], share(one["found"], one["planted"]))
+    rows = [("`%s`" % room, one["planted"], one["found"], share(one["found"], one["planted"]), one["commit"])
             for room, one in rooms.items()]
     planted, found = (sum(one[key] for one in rooms.values()) for key in ("planted", "found"))
-    text = table(("room", "planted", "found", "share"), [*rows, ("all", planted, found, share(found, planted))])
+    rows.append(("all", planted, found, share(found, planted), ""))
+    text = table(("room", "planted", "found", "share", "commit"), rows)
     living = [row for one in rooms.values() for row in one["living"]]
     if living:
-        text += "\nThese faults went unnoticed:\n\n" + table(("where", "line", "changed to", "why no test notices"), living)
-    return text + "\n" + figures["about"]
+        head = ("where", "line", "changed to", "why no test notices")
+        text += "\nThese faults went unnoticed:\n\n" + table(head, living)
+    return text
 
 
 TEXTS = {"sanitizers": sanitizers_text, "coverage": coverage_text, "mutants": mutants_text}
 
 
+def commit(form="%h"):
+    return subprocess.run(["git", "log", "-1", "--format=" + form], cwd=ROOT, capture_output=True, text=True,
+                          check=True).stdout.strip()
+
+
 def about():
     """The commit and machine of the figures, as a line below a table."""
-    commit = subprocess.run(["git", "log", "-1", "--format=%h of %as"], cwd=ROOT, capture_output=True, text=True,
-                            check=True).stdout.strip()
-    return "Commit %s, %d cores.\n" % (commit, os.cpu_count())
+    return "Commit %s, %d cores.\n" % (commit("%h of %as"), os.cpu_count())
 
 
 def kept(section):

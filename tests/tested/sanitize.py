@@ -1,7 +1,8 @@
-"""Runs the test suite of a build with sanitizers, and counts the reports of every process that a test starts.
+"""Runs the tests of a build with sanitizers, and counts the reports of every process that a test starts.
 
-sanitize.py PRESET [--write] [CTEST ARGUMENTS...]: build/PRESET holds the build. First, control programs with one
-planted flaw each, compiled in the same way, must be reported. --write: into docs/tests.md."""
+sanitize.py PRESET [--write] [SUITE...]: build/PRESET holds the build; a suite is the first part of its tests' names, as
+in `bake`; default: all. First, control programs with one planted flaw each, compiled in the same way, must be reported.
+--write: into docs/tests.md, suite by suite; suites that did not run keep their figures."""
 
 import os
 import re
@@ -81,32 +82,46 @@ def hold_instrumented(preset):
                 sys.exit("sanitize: build/%s/%s was built without the sanitizer" % (preset, name))
 
 
-def main():
-    if len(sys.argv) < 2 or sys.argv[1] not in PLANTED:
-        sys.exit("usage: sanitize.py asan|tsan [--write] [CTEST ARGUMENTS...]")
-    preset, arguments = sys.argv[1], sys.argv[2:]
-    write = "--write" in arguments
-    if write:
-        arguments.remove("--write")
-    temporary = tempfile.mkdtemp(prefix="fascicle-sanitize-")
-    control(preset, temporary)
-    hold_instrumented(preset)
-    logs = os.path.join(page.ROOT, "build", preset, "reports")
+def try_suite(preset, name):
+    """The suite's figures; prints its reports."""
+    logs = os.path.join(page.ROOT, "build", preset, "reports", name)
     shutil.rmtree(logs, ignore_errors=True)
     os.makedirs(logs)
-    count = suite.run(preset, arguments, environment(preset, os.path.join(logs, "of")))
+    count = suite.run(preset, ["-R", r"^%s\." % name], environment(preset, os.path.join(logs, "of")))
     reports = reports_in(logs)
     for line, often in sorted(reports.items(), key=lambda one: -one[1]):
         print("%5d times: %s" % (often, line))
-    print("%s: %d tests, %d skipped, %d failed, %d reports (%.0f s); %s" % (
-        preset, count["tests"], count["skipped"], count["failures"], sum(reports.values()), count["seconds"], logs))
-    shutil.rmtree(temporary)
+    one = {"tests": count["tests"], "skipped": count["skipped"], "failed": count["failures"],
+           "reports": sum(reports.values()), "seconds": round(count["seconds"]), "commit": page.commit()}
+    print("%s: %s: %d tests, %d skipped, %d failed, %d reports (%.0f s); %s" % (
+        preset, name, one["tests"], one["skipped"], one["failed"], one["reports"], one["seconds"], logs), flush=True)
+    return one
+
+
+def main():
+    if len(sys.argv) < 2 or sys.argv[1] not in PLANTED:
+        sys.exit("usage: sanitize.py asan|tsan [--write] [SUITE...]")
+    preset, asked = sys.argv[1], sys.argv[2:]
+    write = "--write" in asked
     if write:
-        presets = page.kept("sanitizers").get("presets", {})
-        presets[preset] = {"which": suite.which(arguments), "tests": count["tests"], "skipped": count["skipped"],
-                           "failed": count["failures"], "reports": sum(reports.values()), "seconds": count["seconds"]}
-        page.put("sanitizers", {"presets": presets})
-    return 1 if reports or count["failures"] else 0
+        asked.remove("--write")
+    with tempfile.TemporaryDirectory(prefix="fascicle-sanitize-") as temporary:
+        control(preset, temporary)
+    hold_instrumented(preset)
+    names = suite.names(preset)
+    unknown = [name for name in asked if name not in names]
+    if unknown:
+        sys.exit("sanitize: no such suite: %s; there are %s" % (", ".join(unknown), ", ".join(names)))
+    status = 0
+    for name in asked or names:
+        one = try_suite(preset, name)
+        if one["reports"] or one["failed"] or not one["tests"]:
+            status = 1
+        if write:
+            presets = page.kept("sanitizers").get("presets", {})
+            presets[preset] = {**presets.get(preset, {}), name: one}
+            page.put("sanitizers", {"presets": presets})
+    return status
 
 
 if __name__ == "__main__":

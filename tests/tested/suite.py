@@ -27,6 +27,13 @@ def run(preset, arguments, environment=None):
         return {**counts(results), "seconds": time.monotonic() - begin}
 
 
+def names(preset):
+    """The suites of a build: the first parts of its tests' names, in ctest's order."""
+    listed = subprocess.run(["ctest", "--preset", preset, "-N"], cwd=page.ROOT, capture_output=True, text=True,
+                            check=True).stdout
+    return list(dict.fromkeys(re.findall(r"^ *Test +#\d+: (\w+)\.", listed, re.MULTILINE)))
+
+
 def which(arguments):
     """The tests that ran, for a table cell, in which `|` must be escaped."""
     return "`ctest %s`" % " ".join(arguments).replace("|", "\\|") if arguments else "all"
