@@ -11,7 +11,7 @@ namespace fascicle::studio {
 std::string new_token() {
   std::array<unsigned char, 16> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::system_error(errno, std::generic_category(), "the system has no random numbers");
+    throw std::system_error(errno, std::generic_category(), "cannot get random numbers from the system");
   constexpr std::string_view digits = "0123456789abcdef";
   std::string token;
   for (const unsigned char byte : bytes) {

@@ -49,7 +49,7 @@ std::vector<BesideChoice> beside_choices(const std::vector<fs::path>& given, con
 BesideBake::BesideBake(BesideChoice choice) : choice_(std::move(choice)) {
   auto open = std::make_unique<pipeline::OpenBake>(choice_.folder);
   if (open->frame_count() == 0)
-    throw base::BakeError(choice_.folder.string() + ": it has no complete frame; bake again");
+    throw base::BakeError(choice_.folder.string() + ": has no complete frame; bake it again");
   model_ = &open->model();
   arrays_ = shape_messages(*model_, "beside.");
   motion_ = std::make_unique<BakedMotion>(std::move(open), choice_.folder);

@@ -112,7 +112,7 @@ void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLoo
     if (type.empty() || bytes > most_texture_bytes || looks.images.size() == most_textures) {
       pipeline::say_warning(
           say, file + ": " + texture.name +
-                   (type.empty() ? " is neither PNG nor JPEG" : " is more than the studio shows") +
+                   (type.empty() ? " is neither PNG nor JPEG" : " exceeds the studio's limit on textures") +
                    "; its surface gets its plain colour");
       continue;
     }

@@ -53,7 +53,7 @@ Json parse_json(std::string_view text) {
 class Members {
  public:
   explicit Members(Json message) : message_(std::move(message)) {
-    if (!message_.is_object()) throw BadMessage("a message is one JSON object");
+    if (!message_.is_object()) throw BadMessage("a message must be one JSON object");
     id_ = integer("id", -9e15, 9e15);
   }
   std::optional<std::int64_t> id() const { return id_; }
@@ -136,7 +136,7 @@ class Members {
 
   void end() const {
     for (const auto& [name, value] : message_.items())
-      refuse("\"" + base::shown_text(name.substr(0, longest_name)) + "\" is no member of this message");
+      refuse("\"" + base::shown_text(name.substr(0, longest_name)) + "\" is not a member of this message");
   }
 
  private:
@@ -175,7 +175,7 @@ std::uint16_t blocks_of(Members& members, const char* list) {
   unsigned blocks = 0;
   for (const std::string& name : members.texts(list, block_names.size())) {
     const auto bit = find(block_names, name);
-    if (!bit) members.refuse("\"" + base::shown_text(name) + "\" is no block" + hint(block_names, name));
+    if (!bit) members.refuse("\"" + base::shown_text(name) + "\" is not a block" + hint(block_names, name));
     blocks |= 1u << *bit;
   }
   return static_cast<std::uint16_t>(blocks);
@@ -184,7 +184,7 @@ std::uint16_t blocks_of(Members& members, const char* list) {
 void read_set(Members& members, Command& command) {
   const Json changes = members.must_object("changes", most_changes);
   for (const auto& [path, value] : changes.items()) {
-    if (path.empty() || path.size() > longest_text) members.refuse("a key's path is too long, or empty");
+    if (path.empty() || path.size() > longest_text) members.refuse("a key's path is empty or too long");
     command.changes.push_back({path, value.is_null() ? std::nullopt : std::optional<Json>(value)});
   }
   command.label = members.text("label", 200).value_or("");
@@ -195,7 +195,8 @@ void read_set(Members& members, Command& command) {
 void read_hand(Members& members, Command& command) {
   const std::string word = members.must_text("action");
   const auto action = find(hand_actions, word);
-  if (!action) members.refuse("\"" + base::shown_text(word) + "\" is no action" + hint(hand_actions, word));
+  if (!action)
+    members.refuse("\"" + base::shown_text(word) + "\" is not an action" + hint(hand_actions, word));
   command.action = static_cast<HandAction>(*action);
   if (command.action == HandAction::release) return;
   if (command.action == HandAction::force) {
@@ -215,7 +216,7 @@ void read_save(Members& members, Command& command) {
   command.name = members.text("file").value_or("");
   command.overwrite = members.truth("overwrite").value_or(false);
   if (!command.name.empty() && (!is_plain_name(command.name) || !command.name.ends_with(".toml")))
-    members.refuse("file takes a name without folders that ends in .toml");
+    members.refuse("file takes a name without folders, of letters, digits, -, _ and ., that ends in .toml");
 }
 
 void read_bake(Members& members, Command& command) {
@@ -226,7 +227,7 @@ void read_bake(Members& members, Command& command) {
   const std::vector<std::string> known = bake::accepted_formats();
   for (const std::string& format : members.texts("formats", most_formats)) {
     if (std::find(known.begin(), known.end(), format) == known.end())
-      members.refuse("\"" + base::shown_text(format) + "\" is no format" +
+      members.refuse("\"" + base::shown_text(format) + "\" is not a format" +
                      base::nearest_name_hint(format, known));
     command.formats.push_back(format);
   }
@@ -253,7 +254,7 @@ void read_paint(Members& members, StrokePiece& piece) {
   const std::string falloff = members.text("falloff").value_or(std::string(falloffs[0]));
   const auto found = find(falloffs, falloff);
   if (!found)
-    members.refuse("\"" + base::shown_text(falloff.substr(0, longest_name)) + "\" is no falloff" +
+    members.refuse("\"" + base::shown_text(falloff.substr(0, longest_name)) + "\" is not a falloff" +
                    hint(falloffs, falloff));
   brush.falloff = static_cast<Falloff>(*found);
   brush.is_mirrored = members.truth("mirror").value_or(false);
@@ -280,7 +281,7 @@ Command parse_command(std::string_view text) {
   const std::string word = members.must_text("type");
   const auto verb = find(verbs, word);
   if (!verb)
-    members.refuse("\"" + base::shown_text(word.substr(0, longest_name)) + "\" is no message" +
+    members.refuse("\"" + base::shown_text(word.substr(0, longest_name)) + "\" is not a message" +
                    hint(verbs, word));
   command.verb = static_cast<Verb>(*verb);
   switch (command.verb) {

@@ -43,7 +43,7 @@ Vector3d limited(const Vector3d& v, double most) {
 }  // namespace
 
 Held held_around(const model::Model& model, std::uint32_t vertex, double radius) {
-  if (vertex >= model.vertex_count) throw std::invalid_argument("the hand's vertex is none of the model's");
+  if (vertex >= model.vertex_count) throw std::invalid_argument("the model has no such vertex");
   const Vector3d centre = rest_of(model, vertex);
   std::vector<char> seen(model.vertex_count, 0);
   std::queue<std::uint32_t> next;

@@ -60,12 +60,13 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   const std::string_view name = key.key->name;
   if (table.path == "solver") {
     if (has(of_implicit_solver, name) && !is_implicit_)
-      return "for the implicit integrator; this scene's is explicit";
-    if (name == "quality" && !has_auto_substeps_) return "applies only if solver.substeps is \"auto\"";
+      return "Only for the implicit integrator; this scene uses the explicit one";
+    if (name == "quality" && !has_auto_substeps_) return "Only if solver.substeps is \"auto\"";
     return {};
   }
   if (table.table->name != "layer") return {};
-  if (has(of_moving_layers, name) && has(still_layers_, table.path)) return "for flesh that moves by itself";
+  if (has(of_moving_layers, name) && has(still_layers_, table.path))
+    return "Only for flesh that moves by itself";
   // The only layer with a stiffness may state it in the other integrator's keys; that selects the integrator.
   const bool may_change_integrator =
       !is_stated_ && std::all_of(layers_with_stiffness_.begin(), layers_with_stiffness_.end(),
@@ -74,9 +75,9 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   // These do not define a stiffness and select no integrator.
   const bool is_no_stiffness = name == "least_volume" || name == "damping_ratio";
   if (is_no_stiffness ? is_implicit_ : !is_of_other || may_change_integrator) return {};
-  return is_implicit_ ? "for the explicit integrator; here youngs_modulus, frequency or material sets the "
-                        "stiffness"
-                      : "for the implicit integrator; here alpha sets the stiffness";
+  return is_implicit_ ? "Only for the explicit integrator; here youngs_modulus, frequency or material sets "
+                        "the stiffness"
+                      : "Only for the implicit integrator; here alpha sets the stiffness";
 }
 
 }  // namespace fascicle::studio

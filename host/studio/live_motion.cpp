@@ -78,8 +78,8 @@ void LiveMotion::step_to(std::uint64_t frame) {
     release();
     load(body_->state_on_skeleton(frame), frame);
     kept_.clear();
-    throw Diverged("the flesh flew apart in frame " + std::to_string(frame) +
-                   " and starts again on its skeleton; undo the last change, or use more substeps");
+    throw Diverged("the simulation became unstable in frame " + std::to_string(frame) +
+                   " and was reset; undo the last change, or use more substeps");
   }
   if (hand_) hand_->see(now_, 1.0 / fps());
 }
@@ -131,8 +131,8 @@ void LiveMotion::load_led(model::State state) {
   if (bake::all_finite(now_)) return;
   load(body_->drives().initial_state(), 0);
   throw Diverged(
-      "the flesh flew apart before frame 0 and starts again on its skeleton; undo the last change, or use "
-      "more substeps");
+      "the simulation became unstable before frame 0 and was reset; undo the last change, or use more "
+      "substeps");
 }
 
 ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {

@@ -266,7 +266,7 @@ Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& table
           : joint_called(*skeleton, with_below ? std::map<std::string, std::size_t>() : flesh_of_joints(body),
                          words);
   if (!joint) {
-    preset.why_not = std::string("no joint is called ") + what + "; name one in skeleton.only";
+    preset.why_not = std::string("No joint has ") + what + " in its name; name one in skeleton.only";
     return preset;
   }
   std::vector<std::string> held;
@@ -281,7 +281,7 @@ Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& table
 
 Preset wished(Preset preset, Wish wish) {
   preset.changes = wish.take();
-  if (preset.changes.empty()) preset.why_not = "it is already at its limit";
+  if (preset.changes.empty()) preset.why_not = "Already at the limit";
   return preset;
 }
 
@@ -341,19 +341,18 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
                                 {},
                                 {}},
                                {"belly", "abdomen", "stomach", "spine", "torso"}, false,
-                               "belly, abdomen, spine or torso"));
+                               "belly, abdomen, stomach, spine or torso"));
   presets.push_back(only_joint(
       body, tables,
       {"only-tail", "Only the tail", "Only the tail's flesh moves; the rest follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
   // Softer flesh that feels more of the motion swings further, but it wrinkles when a bear lands. More
   // damping removes the wrinkles and leaves most of the swing.
-  add("cartoon", "Cartoon", "Flesh that follows further than real flesh does, as in a cartoon.",
-      [](Wish& wish) {
-        wish.soften(1.15);
-        wish.exaggerate(1.1);
-        wish.scale_damping(1.2);
-      });
+  add("cartoon", "Cartoon", "Softer flesh with exaggerated motion, as in a cartoon.", [](Wish& wish) {
+    wish.soften(1.15);
+    wish.exaggerate(1.1);
+    wish.scale_damping(1.2);
+  });
   return presets;
 }
 

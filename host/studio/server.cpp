@@ -258,13 +258,13 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     is_head_ = request.method() == http::verb::head;
     const auto host = only(request, http::field::host);
     if (!host || !is_own_host(*host, server_.port))
-      return answer_text(http::status{421}, "this server is " + address() + "; ask for it by that name");
+      return answer_text(http::status{421}, "this server's address is " + address() + "; use it");
     const auto origin = only(request, http::field::origin);
     if ((origin && !is_own_origin(*origin, server_.port)) ||
         (!origin && request.count(http::field::origin) > 0))
-      return answer_text(http::status::forbidden, "only the studio's own page may ask");
+      return answer_text(http::status::forbidden, "only requests from the studio's own page are accepted");
     if (request.method() != http::verb::get && request.method() != http::verb::head)
-      return answer_text(http::status::method_not_allowed, "only GET is answered");
+      return answer_text(http::status::method_not_allowed, "only GET and HEAD are allowed");
     const std::string_view text(request.target().data(), request.target().size());
     const std::optional<Target> target = parse_target(text);
     if (!target) return answer_text(http::status::not_found, "not found");
@@ -278,11 +278,12 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
 
   void take_page(http::request<http::string_body> request, const Target& target, bool has_origin) {
     if (!websocket::is_upgrade(request))
-      return answer_text(http::status::upgrade_required, "this is for the page's WebSocket");
-    if (!has_origin) return answer_text(http::status::forbidden, "a WebSocket must name its Origin");
+      return answer_text(http::status::upgrade_required, "this address is for the page's WebSocket");
+    if (!has_origin)
+      return answer_text(http::status::forbidden, "a WebSocket request must have an Origin header");
     if (!target.token || !is_token(*target.token, server_.options.token))
       return answer_text(http::status::forbidden,
-                         "the token is not this studio's; open the address that it printed");
+                         "wrong token; open the address that fascicle studio printed");
     PageId number = 0;
     {
       const std::lock_guard lock(server_.mutex);

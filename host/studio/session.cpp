@@ -44,8 +44,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       saved_hash_ = record->saved_hash;
       saved_text_ = record->saved_text;
       saved_paints_ = record->saved_paints;
-      if (history_->steps().size() > 1)
-        restored_ = "the session in " + options_.folder.string() + " was restored";
+      if (history_->steps().size() > 1) restored_ = "Session restored from " + options_.folder.string();
     } else {
       keep_old_session("contained a session of another scene, or of an older version of this one");
     }
@@ -247,8 +246,9 @@ void Session::send_start(PageId page) {
              {"can_touch", is_live_},
              {"restored", !restored_.empty()}};
   if (!is_live_)
-    hello["why_not"] = "this is a bake: its frames can be played but not changed; fascicle studio " +
-                       scene_to_open_ + " opens its scene";
+    hello["why_not"] =
+        "This is a bake: it can be played but not changed. To edit its scene, run fascicle studio " +
+        scene_to_open_;
   if (!restored_.empty()) hello["message"] = restored_;
   send(page, hello);
   send(page, body_message_);
@@ -304,7 +304,7 @@ void Session::page_said(PageId page, bool is_text, const std::string& bytes) {
     send(page, answer);
   };
   try {
-    if (!is_text) throw BadMessage("messages are text");
+    if (!is_text) throw BadMessage("messages must be text");
     const Command command = parse_command(bytes);
     try {
       obey(page, command);
@@ -317,7 +317,7 @@ void Session::page_said(PageId page, bool is_text, const std::string& bytes) {
   } catch (const BadMessage& error) {
     refuse(error.what(), error.id);
     if (++known->second.refused >= most_refused && server_ != nullptr)
-      server_->close(page, "more than " + std::to_string(most_refused) + " messages made no sense");
+      server_->close(page, std::to_string(most_refused) + " invalid messages");
   }
 }
 
@@ -337,7 +337,7 @@ void Session::let_go() {
 }
 
 void Session::must_be_live() const {
-  if (!is_live_) throw std::runtime_error("this is a bake: its frames can only be played");
+  if (!is_live_) throw std::runtime_error("this is a bake: it can be played but not changed");
 }
 
 void Session::obey(PageId page, const Command& command) {
@@ -377,7 +377,8 @@ void Session::obey(PageId page, const Command& command) {
         set_keys(preset.changes, preset.title, std::nullopt);
         return answer_done(page, command);
       }
-      throw BadMessage("\"" + base::shown_text(command.name.substr(0, 64)) + "\" is no preset", command.id);
+      throw BadMessage("\"" + base::shown_text(command.name.substr(0, 64)) + "\" is not a preset",
+                       command.id);
     }
     case Verb::undo:
     case Verb::redo:

@@ -116,7 +116,7 @@ void Session::save_paints(const std::map<std::string, std::string>& names, bool 
     if (there && !is_own && !overwrite)
       throw std::runtime_error(
           file.string() +
-          " already exists, and this session did not write it; choose another name, or replace it");
+          " already exists, and this session did not write it; choose another name, or overwrite it");
   }
   // Entries of undone paint stay, because redo may bring it back.
   if (!is_own_name) saved_paints_.clear();
@@ -140,7 +140,7 @@ fs::path Session::save(const Command& command, Json& answer) {
   if (there && !is_own && !command.overwrite)
     throw std::runtime_error(
         path.string() +
-        " already exists, and this session did not write it; choose another name, or replace it");
+        " already exists, and this session did not write it; choose another name, or overwrite it");
   save_paints(names, name == saved_file_, command.overwrite);
   base::write_whole(path, text);
   saved_file_ = name;
@@ -152,10 +152,10 @@ fs::path Session::save(const Command& command, Json& answer) {
   answer["file"] = path.string();
   for (const auto& [key, file] : names) answer["paints"].push_back((options_.folder / file).string());
   answer["kept_comments"] = keeps_comments;
-  answer["message"] = keeps_comments
-                          ? "fascicle bake takes this file"
-                          : "fascicle bake takes this file; a change rewrote it without the comments of the "
-                            "original scene";
+  answer["message"] =
+      keeps_comments
+          ? "fascicle bake accepts this file"
+          : "fascicle bake accepts this file; a change could not be made in place, so the file was rewritten";
   return path;
 }
 
@@ -164,7 +164,7 @@ void Session::bake(const Command& command) {
   const std::string folder = command.name.empty() ? "bake" : command.name;
   if (!command.overwrite && bake::holds_bake(options_.folder / folder))
     throw std::runtime_error((options_.folder / folder).string() +
-                             " holds a bake; choose another name, or replace it");
+                             " already holds a bake; choose another name, or overwrite it");
   Command of_save;
   of_save.verb = Verb::save;
   of_save.overwrite = command.overwrite;

@@ -29,7 +29,7 @@ void Session::choose_beside(const std::string& name) {
   if (!chosen && !name.empty())
     throw std::runtime_error(
         "\"" + base::shown_text(name.substr(0, 256)) +
-        "\" is no bake of this session; start fascicle studio with --beside and its folder");
+        "\" is not a bake of this session; start fascicle studio with --beside and its folder");
   if (!player_->post([this, chosen](Motion& motion) {
         put_beside(chosen);
         player_->show(motion.again());

@@ -53,7 +53,7 @@ void Session::set_keys(const std::vector<scene::KeyChange>& changes, const std::
 void Session::step_in_history(bool is_undo) {
   const Paints painted = history_->paints();
   if (!(is_undo ? history_->undo() : history_->redo()))
-    throw std::runtime_error(is_undo ? "there is nothing to undo" : "there is nothing to redo");
+    throw std::runtime_error(is_undo ? "nothing to undo" : "nothing to redo");
   std::vector<scene::EditedTable> after;
   try {
     after = scene::edited_tables(history_->text(), source_);
@@ -88,8 +88,8 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, const Pai
                {"effect", is_rebuild ? "rebuild" : "live"}};
   if (!is_rebuild && !is_running) player_->hold_until(Clock::now() + patience_for_change);
   if (is_rebuild) {
-    message["message"] = "rebuilding the body; the old one moves until then";
-    player_message_ = "rebuilding the body";
+    message["message"] = "Rebuilding the body; the old one keeps moving until then";
+    player_message_ = "Rebuilding the body";
     broadcast(player_json());
   }
   broadcast(message);
@@ -107,7 +107,7 @@ void Session::autosave() {
 
 // The builder's thread. Always takes the newest text.
 void Session::build_on() {
-  const std::string getting_ready = "getting ready for changes";
+  const std::string getting_ready = "Preparing for changes";
   const auto say_on_top = [&](const std::string& text, const std::string& in_place_of) {
     const std::lock_guard lock(mutex_);
     if (player_message_ != in_place_of) return;

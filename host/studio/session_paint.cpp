@@ -18,7 +18,7 @@ namespace {
 // A stroke's label in the history.
 std::string label_of(const rig::PaintKind& kind) {
   const std::string name = kind.name;
-  return name == "_RIGID"   ? "paint what is rigid"
+  return name == "_RIGID"   ? "paint rigid parts"
          : name == "_LAYER" ? "paint layers"
          : name == "_FIBER" ? "paint fibres"
                             : "paint stiffness";
@@ -150,7 +150,7 @@ void Session::keep_stroke(const Stroke& stroke) {
     const rig::Paint paint = stroke.paintings[k].paint();
     auto text = std::make_shared<const std::string>(scene::paint_text(paint));
     if (text->size() > scene::most_paint_bytes)
-      throw std::runtime_error("this is more paint than a file may contain, " +
+      throw std::runtime_error("the paint exceeds the limit of a paint file, " +
                                std::to_string(scene::most_paint_bytes >> 20) + " MiB");
     const auto known = before.find(key);
     if (known != before.end() ? *known->second == *text : paint.attributes.empty()) continue;

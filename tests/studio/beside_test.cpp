@@ -110,7 +110,7 @@ TEST_F(BesideTest, NoOtherFolderIsReached) {
         (folder_ / "given" / ".." / "foreign").string(), given + "/../foreign", std::string("/etc"),
         std::string("."), std::string(".."), std::string(1000, 'x')}) {
     client->say({{"type", "beside"}, {"name", name}});
-    EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("no bake of this session"),
+    EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("not a bake of this session"),
               std::string::npos)
         << name;
   }

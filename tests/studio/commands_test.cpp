@@ -104,7 +104,7 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
       {R"({"type":"save","file":"/etc/x.toml"})", "without folders"},
       {R"({"type":"bake","folder":".."})", "without folders"},
       {R"({"type":"bake","folder":"a/b"})", "without folders"},
-      {R"({"type":"bake","formats":["exe"]})", "no format"},
+      {R"({"type":"bake","formats":["exe"]})", "not a format"},
       {R"({"type":"paint"})", "attribute is missing"},
       {R"({"type":"paint","attribute":"_LAYR"})", "did you mean _LAYER"},
       {R"({"type":"paint","attribute":"_LAYER"})", "value is missing"},

@@ -74,7 +74,7 @@ TEST_F(SessionPaintTest, AStrokeIsAChangeThatCanBeTakenBack) {
   EXPECT_GT(count(painted, 1.0f), 3u);
   const Json changed = client->wait_for("changed");
   EXPECT_EQ(changed.at("effect"), "rebuild");
-  EXPECT_NE(changed.at("message").get<std::string>().find("rebuilding the body"), std::string::npos);
+  EXPECT_NE(changed.at("message").get<std::string>().find("Rebuilding the body"), std::string::npos);
   EXPECT_EQ(client->wait_for("paint").at("arrays"), Json({"paint._LAYER"}));
   EXPECT_EQ(wait_for_array(*client, "paint._LAYER").floats, painted.floats);
   const Json key = key_of(client->wait_for("keys"), "character.paint");
