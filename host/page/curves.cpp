@@ -35,11 +35,11 @@ struct Drawn {
 
 // In the order of the page's list; lags come before these.
 const std::vector<Drawn>& drawn_columns() {
-  static const std::vector<Drawn> columns{{"kinetic_energy", "energy", "J"},
-                                          {"volume_ratio", "volume", "%", 100.0},
-                                          {"look", "look", "", 1.0, 1.0},
-                                          {"inverted", "inverted", ""},
-                                          {"contact_deepest", "contact", "mm", 1e3}};
+  static const std::vector<Drawn> columns{{"kinetic_energy", "Energy", "J"},
+                                          {"volume_ratio", "Volume", "%", 100.0},
+                                          {"look", "Look", "", 1.0, 1.0},
+                                          {"inverted", "Inverted", ""},
+                                          {"contact_deepest", "Contact depth", "mm", 1e3}};
   return columns;
 }
 
@@ -60,7 +60,7 @@ std::vector<Curve> read_curves(const std::filesystem::path& folder, std::uint64_
   };
   const std::string lag = bake::lag_column;
   for (std::size_t c = 0; c < header.size(); ++c)
-    if (header[c].starts_with(lag)) add(c, "lag of " + header[c].substr(lag.size()), "mm", 1e3, {});
+    if (header[c].starts_with(lag)) add(c, "Lag of " + header[c].substr(lag.size()), "mm", 1e3, {});
   for (const Drawn& drawn : drawn_columns())
     if (const auto at = std::find(header.begin(), header.end(), drawn.column); at != header.end())
       add(static_cast<std::size_t>(at - header.begin()), drawn.name, drawn.unit, drawn.factor, drawn.limit);

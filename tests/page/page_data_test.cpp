@@ -43,11 +43,11 @@ TEST_F(Curves, AreTheColumnsInTheirUnits) {
          "0,0,1.5,0.99,0.002,0.5,0.3\n1,1,2,1,0.004,0,2\n",
          2);
   ASSERT_EQ(curves.size(), 5u);
-  EXPECT_EQ(curves[0].name, "lag of fat");
+  EXPECT_EQ(curves[0].name, "Lag of fat");
   EXPECT_EQ(curves[0].unit, "mm");
   EXPECT_DOUBLE_EQ(curves[0].values[1].value(), 4.0);
-  EXPECT_EQ(curves[1].name, "lag of a,b");
-  EXPECT_EQ(curves[2].name, "energy");
+  EXPECT_EQ(curves[1].name, "Lag of a,b");
+  EXPECT_EQ(curves[2].name, "Energy");
   EXPECT_DOUBLE_EQ(curves[3].values[0].value(), 99.0);
   EXPECT_EQ(curves[4].limit, 1.0);
 }

@@ -79,7 +79,7 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
     EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
   EXPECT_GE(seen["found"], 1) << "the search finds gravity";
 
-  EXPECT_TRUE(contains(seen["lost"].get<std::string>(), "gone"));
+  EXPECT_TRUE(contains(seen["lost"].get<std::string>(), "Connection lost"));
   EXPECT_EQ(seen["restored"], seen["softness"]) << "nothing is lost when the program dies";
   EXPECT_EQ(seen["ended"], 0);
 }
@@ -146,7 +146,7 @@ TEST(StudioPage, ShowsTwoBakesSideBySide) {
     EXPECT_TRUE(path == "/" || path == "/studio.js" || path == "/studio.css") << path;
   EXPECT_EQ(seen["comparison"], "sides");
   EXPECT_EQ(seen["against"], folder / "soft");
-  EXPECT_EQ(seen["tags"], json({"soft", "Played: arm"}));
+  EXPECT_EQ(seen["tags"], json({"soft", "Current: arm"}));
 
   EXPECT_LT(seen["moving_ratio"].get<double>(), 1.9)
       << "the control: this machine is too slow for all pixels";

@@ -1,4 +1,4 @@
-// Two bakes side by side, in one time line:
+// Two bakes side by side, on one timeline:
 //   node studio_beside.mjs PROGRAM FOLDER BAKE --beside OTHER
 // FOLDER gets screenshots and report.json, which says what was seen; the test that runs this judges.
 import { readFileSync, writeFileSync } from "node:fs";

@@ -129,14 +129,14 @@ report.painted.stiffness_undone = await painted();
 await compare("flesh");
 await page.selectOption("#brush-kind", "_FIBER");
 
-// Taken back, and made again.
+// Undone and redone.
 await page.locator("#picture").focus();
 await applied(() => press("z"));
 report.painted.undone = await painted();
 await applied(() => press("y"));
 report.painted.redone = await painted();
 
-// Bones: no bone any more by the list, and another joint by a click on it, in Both.
+// Bones: a bone is removed in the list, and another joint is toggled by a click on it, in Both.
 await choose_tool("bones");
 await page.selectOption("#bone-joint", "forearm");
 report.bone = [await page.textContent("#bone-why")];

@@ -1,4 +1,4 @@
-// A bake as a page holds it: docs/formats.md, "The page of fascicle view".
+// A bake as stored in a page: docs/formats.md, "The page of fascicle view".
 import { lower_neighbours, MotionDecoder } from "./motion";
 import { NumberDecoder, RangeDecoder } from "./range_decoder";
 
@@ -92,7 +92,7 @@ export class Film {
   private readonly ghost_motion: MotionDecoder;
 
   constructor(readonly description: Description) {
-    if (description.version !== 1) throw new Error(`the page's data are of version ${description.version}, not 1`);
+    if (description.version !== 1) throw new Error(`the page's data has version ${description.version}, not 1`);
     this.from = new RangeDecoder(bytes_of_base64(description.motion));
     const numbers = new NumberDecoder(16);
     let context = 0;
@@ -139,7 +139,7 @@ export class Film {
     return this.ghost[Math.min(frame, this.ghost.length - 1)];
   }
 
-  // m, an upper bound for each place: the distance of the flesh from the ghost.
+  // The distance of the flesh from the ghost at each place, m.
   lag(frame: number, to: Float32Array): Float32Array {
     const flesh = this.flesh[frame];
     const ghost = this.ghost_of(frame);

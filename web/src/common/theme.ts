@@ -13,7 +13,7 @@ export function follow_theme(changed: () => void): void {
   light.addEventListener("change", () => set(light.matches ? "light" : "dark"));
   button.addEventListener("click", () => {
     set(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-    say(`${document.documentElement.dataset.theme} page`);
+    say(document.documentElement.dataset.theme === "dark" ? "Dark theme" : "Light theme");
   });
 }
 

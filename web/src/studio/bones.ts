@@ -1,4 +1,4 @@
-// Choosing which joints are bones: shown on the skeleton, toggled by a click or in a list.
+// Chooses which joints are bones, by a click on the skeleton or in a list.
 import { Vector3 } from "three";
 import { checked, element } from "../common/dom";
 import type { Picture } from "./picture";
@@ -8,7 +8,7 @@ import type { BodyMessage, KeyGroup, KeyValue } from "./protocol";
 export interface BonesUser {
   command(type: string, members: object): Promise<string>;
   say(text: string, is_bad: boolean): void;
-  joints(): Float32Array | null; // their current places, 3 numbers each
+  joints(): Float32Array | null; // their current positions, 3 numbers each
 }
 
 type Joint = BodyMessage["joints"][number];
@@ -22,7 +22,7 @@ function without(names: readonly string[], name: string): KeyValue {
   return left.length > 0 ? left : null;
 }
 
-// The changes that make a joint a bone, or not a bone. `names`: the keys' current values.
+// The changes that toggle whether a joint is a bone. `names`: the keys' current values.
 export function changes_for(
   joint: Pick<Joint, "name" | "is_bone">,
   names: { chosen: readonly string[]; unchosen: readonly string[] },
@@ -39,8 +39,13 @@ export function changes_for(
   return changes;
 }
 
-// The place nearest to a point within reach; -1 for none.
-export function nearest_of(places: readonly (readonly [number, number])[], x: number, y: number, reach: number): number {
+// The number of the place nearest to a point, within reach; -1 if there is none.
+export function nearest_of(
+  places: readonly (readonly [number, number])[],
+  x: number,
+  y: number,
+  reach: number,
+): number {
   let best = -1;
   let least = reach;
   places.forEach(([px, py], k) => {
@@ -71,7 +76,9 @@ export class Bones {
     tool.disabled = !can_touch || body.joints.length === 0;
     const list = element<HTMLSelectElement>("bone-joint");
     const was = list.selectedIndex;
-    list.replaceChildren(...body.joints.map((joint) => new Option(`${joint.is_bone ? "● " : ""}${joint.name}`, joint.name)));
+    list.replaceChildren(
+      ...body.joints.map((joint) => new Option(`${joint.is_bone ? "● " : ""}${joint.name}`, joint.name)),
+    );
     if (was >= 0 && was < list.options.length) list.selectedIndex = was;
     this.show();
   }
@@ -87,8 +94,8 @@ export class Bones {
   private show(): void {
     element("bones").hidden = !this.is_chosen;
     const joint = this.joints[element<HTMLSelectElement>("bone-joint").selectedIndex];
-    element("bone-why").textContent = joint ? (joint.reason ?? "no bone: nothing follows it") : "";
-    element("bone-turn").textContent = joint?.is_bone ? "Make it no bone" : "Make it a bone";
+    element("bone-why").textContent = joint ? (joint.reason ?? "not a bone") : "";
+    element("bone-turn").textContent = joint?.is_bone ? "Don't use as bone" : "Use as bone";
     this.mark();
   }
 
@@ -103,14 +110,14 @@ export class Bones {
   private turn(): void {
     const joint = this.joints[element<HTMLSelectElement>("bone-joint").selectedIndex];
     if (!joint) return;
-    const label = `${joint.name} ${joint.is_bone ? "is no bone" : "is a bone"}`;
+    const label = `${joint.is_bone ? "don't use" : "use"} ${joint.name} as bone`;
     this.user.command("set", { changes: changes_for(joint, this.names), label }).then(
       (text) => this.user.say(text, false),
       (error: Error) => this.user.say(error.message, true),
     );
   }
 
-  // The joint visible there.
+  // The joint drawn at a point of the window; -1 if there is none.
   private joint_at(x: number, y: number): number {
     const places = this.user.joints();
     const box = this.picture.box_of_played();

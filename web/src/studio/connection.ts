@@ -22,7 +22,7 @@ export class Connection {
   private wait = FIRST_WAIT;
   private readonly waiting = new Map<number, { done: (text: string) => void; refused: (error: Error) => void }>();
 
-  // `token`: from the address that the program printed.
+  // `address`: with the token that the program printed.
   constructor(
     private readonly address: string,
     private readonly listener: Listener,
@@ -40,7 +40,7 @@ export class Connection {
     socket.addEventListener("close", () => {
       if (this.socket !== socket) return;
       this.socket = null;
-      for (const one of this.waiting.values()) one.refused(new Refused("the studio's program is gone"));
+      for (const one of this.waiting.values()) one.refused(new Refused("connection to fascicle studio lost"));
       this.waiting.clear();
       this.listener.lost();
       setTimeout(() => this.open(), this.wait);
@@ -66,7 +66,7 @@ export class Connection {
     this.listener.said(message);
   }
 
-  // Permanently.
+  // Closes without reconnecting.
   close(): void {
     const socket = this.socket;
     this.socket = null;
@@ -77,7 +77,7 @@ export class Connection {
   command(type: string, members: object = {}): Promise<string> {
     const socket = this.socket;
     if (!socket || socket.readyState !== WebSocket.OPEN)
-      return Promise.reject(new Refused("the studio's program is not there"));
+      return Promise.reject(new Refused("not connected to fascicle studio"));
     const id = this.next_id++;
     return new Promise((done, refused) => {
       this.waiting.set(id, { done, refused });

@@ -1,5 +1,5 @@
-// Curves along the clip that fill in while it plays: for each frame, the value last computed; and those of the
-// comparison bake.
+// Curves along the clip that fill in while it plays, with the last value computed for each frame, and the curves of
+// the comparison bake.
 import { CurvePlot, range_of, value_text } from "../common/curves";
 import type { Axis, Lane, Line } from "../common/curves";
 import { element } from "../common/dom";
@@ -25,7 +25,7 @@ const MEANINGS: Meaning[] = [
     unit: "mm",
     lane: "lag",
     is_of_skeleton: true,
-    doc: "How far flesh is from where skinning alone would have it: the root mean square over all free vertices",
+    doc: "Distance of the flesh from its position by skinning alone: root mean square over all free vertices",
     value: (frame) => 1e3 * frame.lag,
   },
   {
@@ -33,7 +33,7 @@ const MEANINGS: Meaning[] = [
     unit: "mm",
     lane: "lag",
     is_of_skeleton: true,
-    doc: "The same of the one vertex that is farthest from there: where the colours of lag end",
+    doc: "Largest distance of a free vertex from its position by skinning alone",
     value: (frame) => 1e3 * frame.most_lag,
   },
   { name: "Energy", unit: "J", lane: "energy", doc: "Kinetic energy of the body", value: (frame) => frame.energy },
@@ -41,7 +41,7 @@ const MEANINGS: Meaning[] = [
     name: "Volume",
     unit: "%",
     lane: "volume",
-    doc: "Volume of the body over that at rest",
+    doc: "Volume of the body relative to rest",
     value: (frame) => 100 * frame.volume,
   },
   {
@@ -49,7 +49,9 @@ const MEANINGS: Meaning[] = [
     unit: "×",
     said: "× real time",
     lane: "speed",
-    doc: "How many times as fast as real time the solver can go; below 1, the dashed line, the picture is slower than the clip",
+    doc:
+      "How fast the solver can run, as a multiple of real time; below 1, the dashed line, playback is slower than " +
+      "real time",
     limit: 1,
     is_of_solver: true,
     value: (frame, fps) => frame.rate / fps,
@@ -72,8 +74,8 @@ export class LiveCurves {
 
   constructor(private readonly seek: (frame: number) => void) {}
 
-  // Starts a clip of `count` frames, none of which has arrived. `is_live`: whether a solver computes them;
-  // `has_skeleton`: whether there is skinning to lag behind.
+  // Starts a clip of `count` frames, none of which has arrived yet. `is_live`: whether a solver computes them;
+  // `has_skeleton`: without one there is no lag.
   begin(count: number, axis: Axis, is_live: boolean, has_skeleton: boolean): void {
     this.fps = axis.fps;
     const hidden = this.tracks.filter((track) => !track.is_shown).map((track) => track.meaning.name);
@@ -104,7 +106,7 @@ export class LiveCurves {
   clear(): void {
     for (const track of this.tracks) track.own.curve.values.fill(null);
   }
-  // Discards those of the comparison bake.
+  // Discards the values of the comparison bake.
   clear_beside(): void {
     for (const track of this.tracks) track.beside.curve.values.fill(null);
   }
@@ -114,7 +116,7 @@ export class LiveCurves {
       if (at < line.curve.values.length) line.curve.values[at] = Number.isFinite(value) ? value : null;
     };
     for (const { meaning, own, beside } of this.tracks) {
-      // After a jump along the clip the flesh was carried there, so the frame says nothing about its motion.
+      // After a seek the flesh was carried there, so the frame says nothing about its motion.
       if (!frame.begins) put(own, frame.frame, meaning.value(frame, this.fps));
       if (frame.beside && !meaning.is_of_solver) put(beside, frame.frame, meaning.value(frame.beside, this.fps));
     }

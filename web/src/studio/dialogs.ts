@@ -19,9 +19,10 @@ export class Dialogs {
   private open_save(): void {
     const hello = this.user.hello();
     element("save-error").textContent = "";
-    element("save-note").textContent = hello ? `Into ${hello.folder}` : "";
+    element("save-note").textContent = hello ? `Folder: ${hello.folder}` : "";
     const name = element<HTMLInputElement>("save-name");
-    if (!name.value && hello) name.value = `${hello.name.replaceAll(/[^A-Za-z0-9._-]/g, "_").replace(/\.toml$/, "")}.toml`;
+    if (!name.value && hello)
+      name.value = `${hello.name.replaceAll(/[^A-Za-z0-9._-]/g, "_").replace(/\.toml$/, "")}.toml`;
     element<HTMLDialogElement>("save-dialog").showModal();
   }
 
@@ -77,23 +78,25 @@ export class Dialogs {
       list.append(item);
       return item;
     };
-    add(`${message.frames} frames in ${short_number(message.seconds)} s; hash of the last ${message.position_hash}`);
+    const seconds = short_number(message.seconds);
+    add(`${message.frames} frames in ${seconds} s; hash of the last frame: ${message.position_hash}`);
     for (const warning of message.warnings) add(warning).className = "warning";
     for (const file of message.files) add(`${message.folder}/${file}`);
     document.documentElement.dataset.baked = message.position_hash;
-    this.user.say(`Baked into ${message.folder}`);
+    this.user.say(`Baked to ${message.folder}`);
   }
 
   saved(message: Extract<ServerMessage, { type: "saved" }>): void {
     element("save-note").textContent =
-      `Wrote ${message.file}${message.kept_comments ? "" : "; its comments are lost"}. ${message.message}`;
+      `Saved ${message.file}${message.kept_comments ? "" : " without comments"}. ${message.message}`;
     this.user.say(`Saved ${message.file}`);
     document.documentElement.dataset.saved = message.file;
   }
 
   baking(message: Extract<ServerMessage, { type: "baking" }>): void {
-    const before = message.phase === "build" ? "Building the body" : "Before frame 0";
-    element("bake-phase").textContent = message.phase === "frames" ? `Frame ${message.frame} of ${message.frames}` : before;
+    const before = message.phase === "build" ? "Building the body" : "Running the lead-in";
+    element("bake-phase").textContent =
+      message.phase === "frames" ? `Frame ${message.frame} of ${message.frames}` : before;
     element<HTMLProgressElement>("bake-bar").value = message.frames > 0 ? message.frame / message.frames : 0;
   }
 

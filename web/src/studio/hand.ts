@@ -65,16 +65,16 @@ export class Hand {
     this.user.send("hand", { action: "release" });
   }
 
-  // For use without a mouse: grabs what is in the middle of the picture, pulls it towards the camera and lets
-  // go.
+  // For use without a mouse: grabs the flesh at the centre of the view, pulls it towards the camera and lets go.
   tug(): void {
     const box = this.picture.box_of_played();
     const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
     if (!this.grab(x, y, -1)) {
-      this.user.say("No flesh in the middle of the picture", true);
+      this.user.say("No flesh at the centre of the view", true);
       return;
     }
-    const towards = this.picture.stage.camera.getWorldDirection(new Vector3()).multiplyScalar(-0.12 * this.picture.size);
+    const ahead = this.picture.stage.camera.getWorldDirection(new Vector3());
+    const towards = ahead.multiplyScalar(-0.12 * this.picture.size);
     const place = this.grip!.place.clone().add(towards);
     this.user.send("hand", { action: "move", place: place.toArray() });
     setTimeout(() => this.release(), 450);

@@ -1,4 +1,4 @@
-// The panel's lists, and the legend of the picture.
+// The lists of presets and warnings, and the viewport's legend.
 import { SCALE } from "../common/colours";
 import { element } from "../common/dom";
 import type { ShownColour } from "./picture";
@@ -30,17 +30,17 @@ export function list_presets(presets: Preset[], choose: (name: string) => void):
   }
 }
 
-// `point` is called with a warning's model vertex and its place at rest.
+// `point` is called with the rest position and the number of a vertex that the warning is about.
 export function list_warnings(
-warnings: SceneWarning[],
-point: (place: [number, number, number], vertex: number | undefined) => void,
+  warnings: SceneWarning[],
+  point: (place: [number, number, number], vertex: number | undefined) => void,
 ): void {
   const list = element("warning-list");
   list.replaceChildren();
   element("warnings-tab").textContent = warnings.length > 0 ? `Warnings ${warnings.length}` : "Warnings";
   if (warnings.length === 0) {
     const item = document.createElement("li");
-    item.textContent = "Nothing to warn of.";
+    item.textContent = "No warnings.";
     list.append(item);
   }
   for (const warning of warnings) {
@@ -63,7 +63,7 @@ point: (place: [number, number, number], vertex: number | undefined) => void,
   }
 }
 
-// `paint`: the legend's entries if paint is shown.
+// `paint`: the entries if paint is shown.
 export function show_legend(
   colour: ShownColour,
   millimetres: string,

@@ -1,4 +1,4 @@
-// How the body is shown: the controls beside the picture, and the text on the picture.
+// The display panel, and the labels in the viewport.
 import { add_fact, checked, choose, element } from "../common/dom";
 import { grouped, short_number } from "../common/numbers";
 import { show_legend } from "./lists";
@@ -27,7 +27,7 @@ function offer(value: string, is_there: boolean): void {
   if (!is_there && option.selected) list.value = "materials";
 }
 
-// The last folder of a path, or more of the path where that is ambiguous.
+// The last folder of each path, or as much of the path as makes it unique.
 export function short_names(names: readonly string[]): string[] {
   const parts = names.map((name) => name.split("/").filter((part) => part !== "" && part !== "."));
   return parts.map((own, k) => {
@@ -39,8 +39,8 @@ export function short_names(names: readonly string[]): string[] {
   });
 }
 
-// Switches to the comparison when the user asks for another bake. If the same bake reappears because it was
-// written anew, the view stays.
+// Whether to switch to both side by side: if the user chose another bake, but not if the same bake reappears
+// because it was rewritten.
 export function shows_sides(last: string, name: string, comparison: string): boolean {
   return name !== last && comparison === "flesh";
 }
@@ -97,31 +97,33 @@ export class Look {
     this.user.command("show", { blocks, beside }).catch(() => (this.blocks = ""));
   }
 
-  // After a reconnect the server does not know what was requested.
+  // After a reconnect, the server no longer knows which blocks were requested.
   forget(): void {
     this.blocks = "";
   }
 
-  // Forces the legend to be rebuilt.
+  // The legend is rebuilt the next time.
   mend_legend(): void {
     this.legend_shown = "";
   }
 
-  // Called when the picture shows this body.
+  // Called once the viewport shows this body.
   set_body(body: BodyMessage): void {
     this.body = body;
     const facts = element("facts");
     facts.replaceChildren();
     add_fact(facts, "Vertices", grouped(body.counts.vertices));
     add_fact(facts, "Tetrahedra", grouped(body.counts.tetrahedra));
-    add_fact(facts, "Skin", grouped(body.counts.surface_vertices));
+    add_fact(facts, "Skin vertices", grouped(body.counts.surface_vertices));
     add_fact(facts, "Solver", "–");
-    add_fact(facts, "Page", "–");
+    add_fact(facts, "Display", "–");
     if (body.solids.length > 0) add_fact(facts, "On solids", "–");
     offer("muscles", this.picture.has_muscles);
     const solids = element<HTMLInputElement>("solids");
     solids.disabled = body.solids.length === 0;
-    solids.title = solids.disabled ? "This scene has no solids" : body.solids.map((one) => `${one.name}: ${one.shape}`).join(", ");
+    solids.title = solids.disabled
+      ? "This scene has no solids"
+      : body.solids.map((one) => `${one.name}: ${one.shape}`).join(", ");
     const skin = document.querySelector<HTMLInputElement>('input[name="body"][value="skin"]');
     if (skin) skin.disabled = !this.picture.has_skin;
     if (!this.picture.has_skin) choose("body", "tetrahedra");
@@ -132,13 +134,13 @@ export class Look {
     offer("difference", this.picture.is_like_beside(false) || this.picture.is_like_beside(true));
   }
 
-  // Called when the picture shows this comparison bake.
+  // Called once the viewport shows this comparison bake.
   set_beside(message: BesideMessage): void {
     this.beside = message;
     const list = element<HTMLSelectElement>("against");
     const names = message.choices;
     const short = short_names(names);
-    list.replaceChildren(new Option("skinning alone", ""));
+    list.replaceChildren(new Option("Skinning alone", ""));
     names.forEach((name, k) => {
       const option = new Option(short[k], name);
       option.title = name;
@@ -159,7 +161,7 @@ export class Look {
     return at < 0 ? (this.beside?.bake?.name ?? "") : short_names(this.beside!.choices)[at];
   }
 
-  // Shows the frame rate in the list of facts. `fps`: of the clip.
+  // Shows the frame rates in the list of facts. `fps`: of the clip.
   note_rate(frame: FrameMessage, fps: number, is_live: boolean): void {
     const now = performance.now();
     ++this.seen.frames;
@@ -168,9 +170,9 @@ export class Look {
     const facts = element("facts").querySelectorAll("dd");
     if (facts.length < 5) return;
     facts[3].textContent = is_live
-      ? `${short_number(frame.rate / fps)}× real time, ${Math.round(frame.rate)} frames/s`
-      : "a bake's frames";
-    facts[4].textContent = `${Math.round(this.seen.rate)} frames/s`;
+      ? `${short_number(frame.rate / fps)}× real time, ${Math.round(frame.rate)} fps`
+      : "not running";
+    facts[4].textContent = `${Math.round(this.seen.rate)} fps`;
   }
 
   show_words(choice: Choice): void {
@@ -181,7 +183,7 @@ export class Look {
     const other = with_bake ? this.beside_name : "skinning alone";
     left.textContent = sides ? other.replace(/^skinning/, "Skinning") : `${with_bake ? "Magenta" : "Blue"}: ${other}`;
     element("tag-right").hidden = !sides;
-    element("tag-right").textContent = with_bake ? `Played: ${element("title").textContent}` : "Flesh";
+    element("tag-right").textContent = with_bake ? `Current: ${element("title").textContent}` : "Flesh";
     const has_scale = choice.colour === "lag" || choice.colour === "difference";
     element("lag-row").hidden = !has_scale;
     element("cut-row").hidden = checked("body") !== "tetrahedra";
@@ -206,7 +208,7 @@ export class Look {
       if (id === "floor") return this.picture.stage.show_floor(is_on("floor"));
       if (id === "against") {
         const name = element<HTMLSelectElement>("against").value;
-        // If the user asks for it again, show it again.
+        // So that choosing the bake again shows both again.
         if (name === "") this.last_beside = "";
         return this.user.send("beside", { name });
       }

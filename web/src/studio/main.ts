@@ -1,4 +1,4 @@
-// The page of `fascicle studio`: shows moving flesh and lets the user touch it.
+// The page of `fascicle studio`: shows the live simulation and lets the user edit it.
 import { element } from "../common/dom";
 import { fill_help, listen_to_keys } from "../common/keys";
 import { short_number } from "../common/numbers";
@@ -49,7 +49,7 @@ class Studio {
 
   constructor(address: string) {
     this.connection = new Connection(address, {
-      opened: () => this.notices.set_status("Reading the body", "busy"),
+      opened: () => this.notices.set_status("Loading the body", "busy"),
       lost: () => this.lost(),
       said: (message) => this.said(message),
       array: (message) => this.array(message),
@@ -132,7 +132,10 @@ class Studio {
   // ---- Messages from the server
 
   private lost(): void {
-    this.notices.set_status("The program is gone. Start it again and open its address: nothing is lost", "lost");
+    this.notices.set_status(
+      "Connection lost. Restart fascicle studio and open the address that it prints; no changes are lost",
+      "lost",
+    );
     this.look.forget();
     this.dialogs.end_bake();
     this.hand.drop();
@@ -174,31 +177,32 @@ class Studio {
         return this.notices.toast(message.message);
       case "applied":
         document.documentElement.dataset.applied = String(message.revision);
-        // Earlier values belong to other flesh.
+        // Earlier values are those before the change.
         this.curves.clear();
-        if (this.transport.player?.state === "paused") return this.notices.toast("In force; play to see it");
+        if (this.transport.player?.state === "paused") return this.notices.toast("Applied; play to see the effect");
         return this.notices.toast(
           message.seconds < 1
-            ? `In the flesh after ${Math.round(1000 * message.seconds)} ms`
-            : `In the flesh after ${short_number(message.seconds)} s`,
+            ? `Applied in ${Math.round(1000 * message.seconds)} ms`
+            : `Applied in ${short_number(message.seconds)} s`,
         );
       case "failed":
         if (message.what === "bake") this.dialogs.end_bake();
         if (message.what === "change") this.touch.restore();
         if (message.what === "beside" && this.beside) this.look.set_beside(this.beside);
-        return this.notices.toast(message.what === "change" ? `Taken back: ${message.error}` : message.error, true);
+        return this.notices.toast(message.what === "change" ? `Reverted: ${message.error}` : message.error, true);
       case "recorded":
         document.documentElement.dataset.recorded = message.position_hash;
         return this.notices.toast(
-          `Recorded ${message.frames} frames in ${short_number(message.seconds)} s; hash of the last ${message.position_hash}`,
+          `Recorded ${message.frames} frames in ${short_number(message.seconds)} s; ` +
+            `hash of the last frame: ${message.position_hash}`,
         );
       case "saved":
         return this.dialogs.saved(message);
       case "baking":
         return this.dialogs.baking(message);
       case "baked":
-        // Warnings from a bake stay until the next bake, or until the body changes.
-        this.bake_warnings = message.warnings.map((text) => ({ text: `The bake: ${text}`, places: [], vertices: [] }));
+        // Warnings from a bake stay until the next bake.
+        this.bake_warnings = message.warnings.map((text) => ({ text: `Bake: ${text}`, places: [], vertices: [] }));
         this.list_warnings();
         return this.dialogs.baked(message);
       case "cancelled":
@@ -215,7 +219,7 @@ class Studio {
     this.hello = hello;
     if (hello.protocol !== 1) {
       this.connection.close();
-      fail(`The program speaks protocol ${hello.protocol}, and this page 1: load the page again.`);
+      fail(`This page uses protocol 1, but the program uses ${hello.protocol}. Reload the page.`);
       return;
     }
     show_hello(hello);
@@ -250,11 +254,12 @@ class Studio {
     document.documentElement.dataset.state = "ready";
   }
 
-  // Its arrays arrive next.
+  // The bake's arrays follow the message.
   private set_beside(message: BesideMessage): void {
     const is_other = message.bake?.name !== this.beside?.bake?.name;
     this.beside = message;
-    if (is_other && message.bake?.why_no_lag) this.notices.toast(`${message.bake.name} shows no lag: ${message.bake.why_no_lag}`);
+    if (is_other && message.bake?.why_no_lag)
+      this.notices.toast(`No lag for ${message.bake.name}: ${message.bake.why_no_lag}`);
     this.arrays_beside.clear();
     if (is_other || !message.bake) this.curves.clear_beside();
     if (!message.bake) this.make_beside();
@@ -262,7 +267,8 @@ class Studio {
 
   private make_beside(): void {
     if (!this.beside || !this.picture.has_body) return;
-    const has_all = this.beside.bake?.arrays.every((name) => this.arrays_beside.has(name.slice(BESIDE.length))) ?? false;
+    const has_all =
+      this.beside.bake?.arrays.every((name) => this.arrays_beside.has(name.slice(BESIDE.length))) ?? false;
     this.picture.set_beside(has_all ? this.beside.bake : null, new Map(this.arrays_beside));
     this.look.set_beside(this.beside);
     this.look.ask_for_blocks();
@@ -277,7 +283,7 @@ class Studio {
   }
 
   private take_frame(frame: FrameMessage): void {
-    // A frame of the previous body that was in transit when the new one arrived.
+    // A frame of the previous body, sent before the new body.
     if (this.body && frame.body < this.body.body) return;
     this.frame = frame;
     this.look.note_rate(frame, this.transport.clip?.fps ?? 1, this.hello?.can_touch ?? false);
@@ -286,14 +292,14 @@ class Studio {
   }
 
   private lag_scale = 0; // m, of the picture shown
-  private is_new = false; // whether a frame has arrived that is not shown yet
+  private is_new = false; // whether the newest frame has not been shown yet
 
   private refresh(): void {
     this.is_new = false;
     if (!this.frame) return;
     let choice = this.look.choice();
     this.picture.show(this.frame, choice);
-    // The colour scale ends at the maximum seen so far, which this frame may have raised.
+    // The colour scale depends on the maximum seen so far, which this frame may have raised.
     const { lag_scale } = (choice = this.look.choice());
     if (lag_scale !== this.lag_scale) this.picture.show(this.frame, choice);
     this.lag_scale = lag_scale;
@@ -335,7 +341,7 @@ class Studio {
     );
   }
 
-  // The current place of a vertex of the model, if frames contain it.
+  // The current position of a vertex of the model, if frames contain it.
   private place_of(vertex: number | undefined): [number, number, number] | null {
     const vertices = this.frame?.blocks.vertices;
     if (vertex === undefined || !vertices || 3 * vertex + 2 >= vertices.length) return null;
@@ -373,7 +379,7 @@ class Studio {
     });
     fill_help(element("help-table"), groups);
     listen_to_keys(groups, () => document.querySelector("dialog[open]") !== null);
-    // As in other programs; a text field has its own undo.
+    // Ctrl+Z and Ctrl+Y as usual; text fields keep their own undo.
     window.addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
       const key = event.key.toLowerCase();
@@ -391,8 +397,9 @@ class Studio {
 const token = location.hash.slice(1);
 try {
   const studio = new Studio(`ws://${location.host}/live?token=${encodeURIComponent(token)}`);
-  if (token === "") fail("The address has no token: open the one that fascicle studio printed.");
+  if (token === "") fail("The address has no token. Open the address that fascicle studio printed.");
   else studio.start();
 } catch (error) {
-  fail(`The studio cannot be shown: ${error instanceof Refused || error instanceof Error ? error.message : String(error)}`);
+  const reason = error instanceof Refused || error instanceof Error ? error.message : String(error);
+  fail(`Cannot start the studio: ${reason}`);
 }

@@ -1,4 +1,4 @@
-// Text on the page: what is open, its state, and notes that disappear.
+// Texts on the page: the title, the status, and notices that disappear.
 import { element } from "../common/dom";
 import type { Hello, History } from "./protocol";
 
@@ -30,7 +30,7 @@ export class Notices {
   }
 }
 
-// Permanently.
+// Shows an error that stays.
 export function fail(text: string): void {
   const failure = element("failure");
   failure.hidden = false;
@@ -38,7 +38,7 @@ export function fail(text: string): void {
   document.documentElement.dataset.state = "failed";
 }
 
-// Shows what is open, and enables the controls that apply.
+// Shows the scene's name, and enables the controls that apply to it.
 export function show_hello(hello: Hello): void {
   element("title").textContent = hello.name;
   document.title = `${hello.name} – fascicle studio`;
@@ -56,7 +56,7 @@ export function show_history(history: History): void {
   for (const [id, title, label] of [["undo", "Undo", history.undo], ["redo", "Redo", history.redo]] as const) {
     const button = element<HTMLButtonElement>(id);
     button.disabled = label === null;
-    button.title = label === null ? "" : `${title} ${label}`;
+    button.title = label === null ? "" : `${title}: ${label}`;
   }
   element("save").textContent = history.saved ? "Saved" : "Save";
 }

@@ -1,4 +1,4 @@
-// The brush: the paint on the skin, and strokes that add to it.
+// The brush: shows the paint on the skin, and paints strokes.
 import { linear_of_hex, write_scale_colour } from "../common/colours";
 import type { Colour } from "../common/colours";
 import { checked, element, say } from "../common/dom";
@@ -12,7 +12,7 @@ import type { Items } from "./wire";
 export interface PaintUser {
   command(type: string, members: object): Promise<string>;
   say(text: string, is_bad: boolean): void;
-  changed(): void; // what is shown has changed
+  changed(): void; // the view must be redrawn
 }
 
 type Place = [number, number, number];
@@ -37,7 +37,7 @@ export function stiffness_of(step: number, most: number): number {
   return most > 1 ? Number(Math.min(10 ** (step / 50 - 1), most).toPrecision(2)) : step / 100;
 }
 
-// Whether a place is far enough from the last one of a stroke to be sent.
+// Whether two places of a stroke are far enough apart for the second to be sent.
 export function is_apart(a: Place, b: Place, least: number): boolean {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) >= least;
 }
@@ -86,7 +86,8 @@ export class Painter {
     const tool = document.querySelector<HTMLInputElement>('input[name="tool"][value="paint"]')!;
     tool.disabled = !message.can_paint;
     tool.title = message.why_not;
-    if (!message.can_paint && tool.checked) document.querySelector<HTMLInputElement>('input[name="tool"][value="turn"]')?.click();
+    if (!message.can_paint && tool.checked)
+      document.querySelector<HTMLInputElement>('input[name="tool"][value="turn"]')?.click();
     this.show_controls();
     this.note();
   }
@@ -141,9 +142,10 @@ export class Painter {
   legend(): [string, string | null][] {
     const { kind } = this.chosen();
     if (kind === "_LAYER") return LAYERS.map((colour, k) => [LAYER_NAMES[k], colour]);
-    if (kind === "_RIGID") return [["rigid", "#3f8fe0"], ["not painted", "#8b8e93"]];
-    if (kind === "_STIFFNESS") return [[this.most > 1 ? "0.1" : "0", null], ["scale", null], [this.most > 1 ? "10" : "1", null]];
-    return [["fibres by direction: red x, green y, blue z", null]];
+    if (kind === "_RIGID") return [["rigid", "#3f8fe0"], ["unpainted", "#8b8e93"]];
+    if (kind === "_STIFFNESS")
+      return [[this.most > 1 ? "0.1" : "0", null], ["scale", null], [this.most > 1 ? "10" : "1", null]];
+    return [["fibre direction: red x, green y, blue z", null]];
   }
 
   private show_controls(): void {
@@ -167,10 +169,8 @@ export class Painter {
   }
 
   // ---- Strokes
-  //
-  // The rest place of the skin that is currently visible there.
 
-  // Where the skin is at rest that is seen there now.
+  // The skin visible at a point of the window: its position at rest and now.
   private rest_at(x: number, y: number): { rest: Place; place: Place } | null {
     const { surface, places, rest_of_skin } = this.picture;
     // The skin of the comparison cannot be painted.
@@ -197,7 +197,7 @@ export class Painter {
     if (!stroke || this.is_sending || (stroke.waiting.length === 0 && !stroke.ends)) return;
     const places = stroke.waiting.splice(0, MOST_PLACES);
     const is_last = stroke.ends && stroke.waiting.length === 0;
-    // A stroke ends with a place.
+    // The last piece of a stroke needs a place.
     if (places.length === 0 && stroke.last) places.push(stroke.last);
     if (is_last) this.stroke = null;
     const { kind, value } = this.chosen();
@@ -243,19 +243,19 @@ export class Painter {
     this.flush();
   }
 
-  // For use without a mouse: one dab in the middle of the picture. Fibres then point upwards.
+  // For use without a mouse: one dab at the centre of the view. Fibres then point upwards.
   dab(): void {
     if (!this.is_chosen || this.stroke) return;
     const box = this.picture.box_of_played();
     const found = this.rest_at(box.left + box.width / 2, box.top + box.height / 2);
     if (!found) {
-      this.user.say("No skin in the middle of the picture", true);
+      this.user.say("No skin at the centre of the view", true);
       return;
     }
     this.picture.show_brush(found.place, this.radius);
     this.begin(found.rest, -1, [0, 1, 0]);
     this.end();
-    say("painted");
+    say("Painted");
   }
 
   resize(by: number): void {
@@ -287,7 +287,8 @@ export class Painter {
       { capture: true },
     );
     canvas.addEventListener("pointermove", (event) => {
-      if (this.is_chosen && (!this.stroke || this.stroke.finger === event.pointerId)) this.move(event.clientX, event.clientY);
+      if (this.is_chosen && (!this.stroke || this.stroke.finger === event.pointerId))
+        this.move(event.clientX, event.clientY);
     });
     canvas.addEventListener("pointerleave", () => this.picture.show_brush(null, 0));
     for (const end of ["pointerup", "pointercancel"] as const)

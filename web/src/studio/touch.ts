@@ -13,9 +13,8 @@ interface Row {
   fill: Fill;
 }
 
-// Whether a key is shown without searching: those with a slider, those that the scene sets, and those that move
-// flesh from outside. Of equivalent keys, such as those for a layer's stiffness, only the one that the scene
-// uses.
+// Whether a key is shown without a search: keys with a slider, keys that the scene sets, gravity and wind. Of
+// equivalent keys, such as those for a layer's stiffness, only the one that the scene uses is shown.
 export function is_near(key: SceneKey, is_set: (path: string) => boolean): boolean {
   if (key.kind === "other" || key.kind === "texts" || key.why_unused) return false;
   if (!key.is_set && key.rivals?.some(is_set)) return false;
@@ -26,7 +25,7 @@ function shown_value(key: SceneKey): KeyValue {
   return key.value ?? (typeof key.fallback === "object" || key.kind !== "text" ? (key.fallback as KeyValue) : key.fallback);
 }
 
-// What is changed most often comes first.
+// Most often changed first.
 const FIRST = ["flesh", "layers", "muscle", "force", "collider", "scene", "contact", "solver", "motion"];
 
 function place_of(group: KeyGroup): number {
@@ -42,7 +41,7 @@ export function title_of(group: KeyGroup): string {
   return title.charAt(0).toUpperCase() + title.slice(1);
 }
 
-const ECHO = 700; // ms during which echoed values do not update a control
+const ECHO = 700; // ms after a change during which the server's values do not update the control
 let gestures = 0;
 
 export class TouchPanel {
@@ -54,7 +53,7 @@ export class TouchPanel {
     private readonly home: HTMLElement,
     private readonly find: HTMLInputElement,
     private readonly change: Change,
-    private readonly nothing: HTMLElement, // shown if no key was found
+    private readonly nothing: HTMLElement, // shown if no key matches
   ) {
     find.addEventListener("input", () => this.filter());
   }
@@ -64,7 +63,9 @@ export class TouchPanel {
       .map((group, k) => ({ group, k }))
       .sort((a, b) => place_of(a.group) - place_of(b.group) || a.k - b.k)
       .map(({ group }) => group);
-    const shape = groups.map((group) => `${group.path}:${group.keys.map((key) => `${key.path}/${key.kind}`).join()}`).join(";");
+    const shape = groups
+      .map((group) => `${group.path}:${group.keys.map((key) => `${key.path}/${key.kind}`).join()}`)
+      .join(";");
     if (shape !== this.shape) {
       this.shape = shape;
       this.build();
@@ -73,7 +74,7 @@ export class TouchPanel {
     this.filter();
   }
 
-  // The chosen value was refused: controls show the current values, even while the user is typing.
+  // After a refused change: shows the current values, even in a control in use.
   restore(): void {
     for (const group of this.groups) for (const key of group.keys) this.rows.get(key.path)?.fill(key, true);
   }
@@ -134,14 +135,14 @@ export class TouchPanel {
     if (key.effect === "rebuild") {
       const builds = document.createElement("span");
       builds.className = "builds";
-      builds.textContent = " · builds anew";
+      builds.textContent = " · rebuilds";
       name.append(builds);
     }
     const reset = document.createElement("button");
     reset.type = "button";
     reset.className = "undo";
     reset.textContent = "×";
-    reset.title = `Leave ${key.path} to the default`;
+    reset.title = `Reset ${key.path} to default`;
     reset.setAttribute("aria-label", reset.title);
     reset.addEventListener("click", () => this.change(key.path, null, null));
     const fill_value = this.control(element, name, key, id);
@@ -248,7 +249,7 @@ export class TouchPanel {
     });
     const range = range_of(key);
     let slider: HTMLInputElement | null = null;
-    // Echoes from the server are older than what the user is choosing.
+    // Values echoed by the server are older than what the user is choosing.
     let chosen_at = -Infinity;
     const is_busy = () => performance.now() - chosen_at < ECHO;
     if (range && key.kind === "number") {

@@ -1,4 +1,4 @@
-// The time line's controls: play, seek, speed, record.
+// The timeline's controls: play, seek, speed, record.
 import { element, say } from "../common/dom";
 import type { ClipMessage, PlayerMessage } from "./protocol";
 import type { FrameMessage } from "./wire";
@@ -18,7 +18,7 @@ export class Transport {
     return this.player?.state === "playing" || this.player?.state === "recording";
   }
 
-  // True if another clip starts.
+  // True if the clip is another one.
   set_clip(clip: ClipMessage): boolean {
     const before = this.clip;
     this.clip = clip;
@@ -47,10 +47,10 @@ export class Transport {
     element("clock").textContent = clock;
     const scrub = element<HTMLInputElement>("scrub");
     if (document.activeElement !== scrub || this.player?.state === "playing") scrub.value = String(frame.frame);
-    scrub.setAttribute("aria-valuetext", `frame ${clock}`);
+    scrub.setAttribute("aria-valuetext", `Frame ${clock}`);
   }
 
-  // In words. `begins`: the flesh has been carried to its current place.
+  // The status text. `begins`: the flesh was just carried here along the skeleton.
   status(can_touch: boolean, begins: boolean): string {
     if (this.player?.message) return this.player.message;
     switch (this.player?.state) {
@@ -59,9 +59,9 @@ export class Transport {
       case "baking":
         return "Baking";
       case "paused":
-        return begins && can_touch ? "Paused; play to see the flesh move" : "Paused";
+        return begins && can_touch ? "Paused; play to simulate from here" : "Paused";
       default:
-        return can_touch ? "Live" : "A bake";
+        return can_touch ? "Live" : "Playing";
     }
   }
 
@@ -76,7 +76,7 @@ export class Transport {
     const speed = element<HTMLSelectElement>("speed");
     speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), speed.options.length - 1);
     speed.dispatchEvent(new Event("change"));
-    say(`speed ${speed.value}`);
+    say(`Speed ${speed.value}×`);
   }
 
   listen(): void {

@@ -19,7 +19,7 @@ function frame_bytes(points: number, cut = 0): ArrayBuffer {
   return buffer;
 }
 
-test("a frame's points come back from their steps", () => {
+test("a frame's points are restored from their quantised steps", () => {
   const frame = read_frame(frame_bytes(2));
   assert.equal(frame.sequence, 77);
   assert.equal(frame.hash, "0123456789abcdef");
@@ -27,7 +27,7 @@ test("a frame's points come back from their steps", () => {
   assert.equal(frame.blocks.ghost, undefined);
 });
 
-test("the frame of the bake beside follows in the same bytes, aligned as it is", () => {
+test("the comparison bake's frame follows in the same message, and keeps its alignment", () => {
   const [first, second] = [new Uint8Array(frame_bytes(1)), new Uint8Array(frame_bytes(2))];
   second[0] = 3;
   const both = new Uint8Array(first.length + second.length);
@@ -39,16 +39,16 @@ test("the frame of the bake beside follows in the same bytes, aligned as it is",
   assert.equal(frame.beside!.beside, null);
   assert.equal(read_frame(first.buffer).beside, null);
   both[first.length] = 1; // a frame of the same kind
-  assert.throws(() => read_frame(both.buffer), /no frame/);
+  assert.throws(() => read_frame(both.buffer), /invalid frame/);
 });
 
-test("what is cut short is told, not read past", () => {
-  assert.throws(() => read_frame(frame_bytes(20, 60)), /no frame/);
-  assert.throws(() => read_frame(new ArrayBuffer(10)), /no frame/);
-  assert.throws(() => read_array(new ArrayBuffer(16)), /no array/);
+test("a truncated message is reported, and not read past its end", () => {
+  assert.throws(() => read_frame(frame_bytes(20, 60)), /invalid frame/);
+  assert.throws(() => read_frame(new ArrayBuffer(10)), /invalid frame/);
+  assert.throws(() => read_array(new ArrayBuffer(16)), /invalid array/);
 });
 
-test("an array has its name and its items", () => {
+test("an array is read with its name and its items", () => {
   const buffer = new ArrayBuffer(16 + 8 + 8);
   const view = new DataView(buffer);
   [2, 1, 3, 5].forEach((value, k) => view.setUint8(k, value));

@@ -26,7 +26,7 @@ export interface FrameMessage {
   revision: number;
   frame: number;
   is_recorded: boolean;
-  begins: boolean; // the first after a start, a jump along the clip or a change of body
+  begins: boolean; // the first after a start, a seek or a change of body
   time: number; // s, in the clip
   hash: string; // 16 hex digits
   solver_seconds: number;
@@ -44,7 +44,7 @@ export interface FrameMessage {
 const aligned = (bytes: number) => (bytes + 3) & ~3;
 
 function need(holds: boolean, what: string): void {
-  if (!holds) throw new Error(`the server sent what is no ${what}`);
+  if (!holds) throw new Error(`the server sent an invalid ${what}`);
 }
 
 export function read_array(buffer: ArrayBuffer): ArrayMessage {

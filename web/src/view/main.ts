@@ -144,16 +144,16 @@ class Viewer {
     const { description } = this;
     const seconds = (description.frames - 1) / description.fps;
     element("subtitle").textContent =
-      `${grouped(description.frames)} frames at ${short_number(description.fps)} a second, ` +
+      `${grouped(description.frames)} frames at ${short_number(description.fps)} fps, ` +
       `${grouped(description.bake_vertices)} vertices`;
     const facts = element("facts");
-    add_fact(facts, "Length", `${short_number(seconds)} s`);
-    add_fact(facts, "Shown", description.surface);
+    add_fact(facts, "Duration", `${short_number(seconds)} s`);
+    add_fact(facts, "Surface", description.surface);
     add_fact(facts, "Triangles", grouped(description.triangles));
     add_fact(facts, "Tetrahedra", grouped(description.tetrahedra));
     if (description.device) add_fact(facts, "Baked on", description.device);
-    add_fact(facts, "Baked by", description.program);
-    add_fact(facts, "Quantised within", `${short_number(1005 * description.error)} mm`);
+    add_fact(facts, "Baked with", description.program);
+    add_fact(facts, "Quantisation error", `up to ${short_number(1005 * description.error)} mm`);
     const warnings = element("warnings");
     for (const text of description.warnings) {
       const item = document.createElement("li");
@@ -171,7 +171,7 @@ class Viewer {
   private list_curves(): void {
     const { curves } = this.description;
     const list = element("curve-list");
-    const lags = curves.filter((curve) => curve.name.startsWith("lag of "));
+    const lags = curves.filter((curve) => curve.name.startsWith("Lag of "));
     const largest = (curve: Curve) => Math.max(...curve.values.map((value) => value ?? 0));
     const most = lags.reduce<Curve | null>((best, one) => (!best || largest(one) > largest(best) ? one : best), null);
     const first = [most, ...curves.filter((curve) => !lags.includes(curve))].filter((one) => one).slice(0, MOST_LANES);
@@ -245,7 +245,7 @@ class Viewer {
     const change_speed = (by: number) => {
       speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), speed.options.length - 1);
       speed.dispatchEvent(new Event("change"));
-      say(`speed ${speed.value}`);
+      say(`Speed ${speed.value}×`);
     };
     const change_scale = (factor: number) => {
       choose("colouring", "lag");
@@ -257,13 +257,13 @@ class Viewer {
     const names = Object.keys(VIEWS);
     return [
       {
-        title: "Time",
+        title: "Playback",
         bindings: [
           { keys: [" "], shown: "Space", does: "Play or pause", run: () => (player.playing ? this.pause() : this.play()) },
-          { keys: ["ArrowLeft"], shown: "←", does: "A frame back", run: () => this.step(-1) },
-          { keys: ["ArrowRight"], shown: "→", does: "A frame forward", run: () => this.step(1) },
-          { keys: ["Shift+ArrowLeft"], shown: "Shift ←", does: "Ten frames back", run: () => this.step(-10) },
-          { keys: ["Shift+ArrowRight"], shown: "Shift →", does: "Ten frames forward", run: () => this.step(10) },
+          { keys: ["ArrowLeft"], shown: "←", does: "Previous frame", run: () => this.step(-1) },
+          { keys: ["ArrowRight"], shown: "→", does: "Next frame", run: () => this.step(1) },
+          { keys: ["Shift+ArrowLeft"], shown: "Shift ←", does: "Back ten frames", run: () => this.step(-10) },
+          { keys: ["Shift+ArrowRight"], shown: "Shift →", does: "Forward ten frames", run: () => this.step(10) },
           { keys: ["Home"], shown: "Home", does: "First frame", run: () => this.seek(0) },
           { keys: ["End"], shown: "End", does: "Last frame", run: () => this.seek(player.last) },
           { keys: ["l"], shown: "L", does: "Loop", run: () => toggle("loop") },
@@ -272,14 +272,14 @@ class Viewer {
         ],
       },
       {
-        title: "Show",
+        title: "Display",
         bindings: [
           { keys: ["1"], shown: "1", does: "Materials", run: () => choose("colouring", "materials") },
           { keys: ["2"], shown: "2", does: "Layers", run: () => choose("colouring", "layers") },
           { keys: ["3"], shown: "3", does: "Lag", run: () => choose("colouring", "lag") },
-          { keys: [","], shown: ",", does: "Lag: a finer scale", run: () => change_scale(-5) },
-          { keys: ["."], shown: ".", does: "Lag: a coarser scale", run: () => change_scale(5) },
-          { keys: ["c"], shown: "C", does: "Flesh, ghost, side by side", run: () => choose_next("comparison") },
+          { keys: [","], shown: ",", does: "Decrease lag scale", run: () => change_scale(-5) },
+          { keys: ["."], shown: ".", does: "Increase lag scale", run: () => change_scale(5) },
+          { keys: ["c"], shown: "C", does: "Flesh, ghost or side by side", run: () => choose_next("comparison") },
           { keys: ["g"], shown: "G", does: "Ghost", run: () => choose("comparison", "ghost") },
           { keys: ["b"], shown: "B", does: "Side by side", run: () => choose("comparison", "sides") },
           { keys: ["e"], shown: "E", does: "Edges", run: () => toggle("edges") },
@@ -287,18 +287,18 @@ class Viewer {
         ],
       },
       {
-        title: "Camera",
+        title: "View",
         bindings: [
-          { keys: ["a"], shown: "A", does: "Turn left", run: () => stage.orbit.turn(0.12, 0) },
-          { keys: ["d"], shown: "D", does: "Turn right", run: () => stage.orbit.turn(-0.12, 0) },
-          { keys: ["w"], shown: "W", does: "Up", run: () => stage.orbit.turn(0, 0.1) },
-          { keys: ["s"], shown: "S", does: "Down", run: () => stage.orbit.turn(0, -0.1) },
-          { keys: ["Shift+a"], shown: "Shift A", does: "Move left", run: () => stage.orbit.pan(0.05, 0) },
-          { keys: ["Shift+d"], shown: "Shift D", does: "Move right", run: () => stage.orbit.pan(-0.05, 0) },
-          { keys: ["Shift+w"], shown: "Shift W", does: "Move up", run: () => stage.orbit.pan(0, 0.05) },
-          { keys: ["Shift+s"], shown: "Shift S", does: "Move down", run: () => stage.orbit.pan(0, -0.05) },
-          { keys: ["+", "="], shown: "+", does: "Nearer", run: () => stage.orbit.zoom(1.15) },
-          { keys: ["-"], shown: "−", does: "Farther", run: () => stage.orbit.zoom(1 / 1.15) },
+          { keys: ["a"], shown: "A", does: "Orbit left", run: () => stage.orbit.turn(0.12, 0) },
+          { keys: ["d"], shown: "D", does: "Orbit right", run: () => stage.orbit.turn(-0.12, 0) },
+          { keys: ["w"], shown: "W", does: "Orbit up", run: () => stage.orbit.turn(0, 0.1) },
+          { keys: ["s"], shown: "S", does: "Orbit down", run: () => stage.orbit.turn(0, -0.1) },
+          { keys: ["Shift+a"], shown: "Shift A", does: "Pan left", run: () => stage.orbit.pan(0.05, 0) },
+          { keys: ["Shift+d"], shown: "Shift D", does: "Pan right", run: () => stage.orbit.pan(-0.05, 0) },
+          { keys: ["Shift+w"], shown: "Shift W", does: "Pan up", run: () => stage.orbit.pan(0, 0.05) },
+          { keys: ["Shift+s"], shown: "Shift S", does: "Pan down", run: () => stage.orbit.pan(0, -0.05) },
+          { keys: ["+", "="], shown: "+", does: "Zoom in", run: () => stage.orbit.zoom(1.15) },
+          { keys: ["-"], shown: "−", does: "Zoom out", run: () => stage.orbit.zoom(1 / 1.15) },
           {
             keys: ["v"],
             shown: "V",
@@ -309,15 +309,15 @@ class Viewer {
               say(names[view]);
             },
           },
-          { keys: ["r"], shown: "R", does: "Home", run: () => stage.orbit.reset() },
-          { keys: ["f"], shown: "F", does: "Follow the body", run: () => toggle("follow") },
+          { keys: ["r"], shown: "R", does: "Reset view", run: () => stage.orbit.reset() },
+          { keys: ["f"], shown: "F", does: "Follow body", run: () => toggle("follow") },
         ],
       },
       {
         title: "Page",
         bindings: [
-          { keys: ["t"], shown: "T", does: "Dark or light", run: () => toggle("theme") },
-          { keys: ["?"], shown: "?", does: "These keys", run: () => help.showModal() },
+          { keys: ["t"], shown: "T", does: "Dark or light theme", run: () => toggle("theme") },
+          { keys: ["?"], shown: "?", does: "Keyboard shortcuts", run: () => help.showModal() },
         ],
       },
     ];
@@ -390,7 +390,7 @@ class Viewer {
     const { player, description } = this;
     const number = description.first_number + player.frame;
     const seconds = description.start + player.frame / description.fps;
-    const text = `frame ${number} of ${description.first_number + player.last}, ${seconds.toFixed(3)} s`;
+    const text = `Frame ${number} of ${description.first_number + player.last}, ${seconds.toFixed(3)} s`;
     const scrub = element<HTMLInputElement>("scrub");
     scrub.value = String(player.frame);
     scrub.setAttribute("aria-valuetext", text);
@@ -462,7 +462,7 @@ function fail(error: unknown): void {
   element("loading").hidden = true;
   const failure = element("failure");
   failure.hidden = false;
-  failure.textContent = `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}`;
+  failure.textContent = `Cannot show this page: ${error instanceof Error ? error.message : String(error)}`;
   document.documentElement.dataset.state = "failed";
 }
 
