@@ -4,7 +4,7 @@ import { axis_texts, range_of, time_ticks, value_text } from "./curves";
 
 const curve = (values: (number | null)[], limit: number | null = null) => ({ name: "lag", unit: "mm", limit, values });
 
-test("a curve's range holds its values, its limit, and 0 where that is near", () => {
+test("a curve's range includes its values, its limit, and 0 if that is close", () => {
   assert.deepEqual(range_of(curve([1, 9])), [0, 9]);
   assert.deepEqual(range_of(curve([99, 100])), [99, 100]);
   assert.deepEqual(range_of(curve([0, 0.5], 1)), [0, 1]);
@@ -15,12 +15,12 @@ test("a curve's range holds its values, its limit, and 0 where that is near", ()
   assert.deepEqual(range_of(curve([0, 0])), [0, 1]);
 });
 
-test("a value that is missing is shown as missing", () => {
+test("a missing value is shown as a dash", () => {
   assert.equal(value_text(curve([1.23456, null]), 0), "1.23 mm");
   assert.equal(value_text(curve([1, null]), 1), "–");
 });
 
-test("curves of one lane share a scale, whose limit counts", () => {
+test("curves in one lane share a scale, which includes their limits", () => {
   assert.deepEqual(range_of(curve([1, 9]), curve([2, 30])), [0, 30]);
   assert.deepEqual(range_of(curve([0, 0.5]), curve([0, 0.2], 1)), [0, 1]);
   assert.deepEqual(range_of(curve([null]), curve([0, 4])), [0, 4]);
@@ -40,7 +40,7 @@ test("ticks are round times within the clip", () => {
   }
 });
 
-test("an axis tells its ends apart, however near they are", () => {
+test("the labels of an axis's ends differ, however close their values are", () => {
   assert.deepEqual(axis_texts(0, 12.34), ["0", "12.3"]);
   assert.deepEqual(axis_texts(99.87, 100.02), ["99.87", "100.02"]);
   assert.deepEqual(axis_texts(-1e-9, 5), ["0", "5"]);

@@ -21,7 +21,7 @@ function surface(triangles: number[], normal: number[]): Surface {
 const roof = Float32Array.from([0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, -1, 0]);
 const triangles = [0, 1, 2, 3, 5, 4];
 
-test("vertices that share a normal's number are smooth, others have a crease", () => {
+test("vertices with the same normal number are shaded smoothly, others have a crease", () => {
   const to = new Float32Array(18);
   new Normals(surface(triangles, [0, 1, 2, 3, 4, 5])).write(roof, to);
   assert.deepEqual([...to.slice(0, 3)], [0, 1, 0]);
@@ -31,7 +31,7 @@ test("vertices that share a normal's number are smooth, others have a crease", (
   assert.ok(Math.abs(Math.hypot(to[0], to[1], to[2]) - 1) < 1e-6);
 });
 
-test("a triangle without area leaves no number that is none", () => {
+test("a triangle without area gives finite normals", () => {
   const to = new Float32Array(9);
   new Normals(surface([0, 1, 2], [0, 1, 2])).write(new Float32Array(9), to);
   assert.ok(to.every(Number.isFinite));

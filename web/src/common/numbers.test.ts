@@ -2,12 +2,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { nice_above, short_number } from "./numbers";
 
-test("nice numbers are 1, 2 or 5 and a power of ten, and never below", () => {
+test("nice numbers are 1, 2 or 5 times a power of ten, and never below the value", () => {
   for (const [value, nice] of [[1, 1], [1.01, 2], [3, 5], [5.1, 10], [0.031, 0.05], [700, 1000]])
     assert.ok(Math.abs(nice_above(value) - nice) < 1e-9 * nice, `${value}`);
 });
 
-test("numbers have three digits", () => {
+test("short numbers have three significant digits", () => {
   assert.equal(short_number(0), "0");
   assert.equal(short_number(12.345), "12.3");
   assert.equal(short_number(0.01234), "0.0123");

@@ -23,7 +23,7 @@ function framed(points: number[], aspect: number): [Orbit, PerspectiveCamera] {
   return [orbit, camera];
 }
 
-test("what is framed is wholly in the picture, wide or high, and fills it", () => {
+test("framed points fit and fill pictures of any aspect", () => {
   const shapes = [ball(2), ball(1).map((value, k) => (k % 3 === 1 ? 5 * value : value))];
   for (const points of shapes)
     for (const aspect of [0.4, 1, 2.2]) {
@@ -43,7 +43,7 @@ test("what is framed is wholly in the picture, wide or high, and fills it", () =
     }
 });
 
-test("moving to the right moves what is seen to the right", () => {
+test("panning to the right moves the picture to the right", () => {
   const [orbit, camera] = framed(ball(1), 1);
   const before = new Vector3(1, 2, 3).project(camera);
   orbit.pan(0.1, 0);
@@ -54,7 +54,7 @@ test("moving to the right moves what is seen to the right", () => {
   assert.ok(Math.abs(after.y - before.y) < 1e-6);
 });
 
-test("the camera never turns over the top", () => {
+test("the camera never passes over the top", () => {
   const [orbit] = framed(ball(1), 1);
   orbit.turn(0, 100);
   assert.ok(orbit.elevation < Math.PI / 2);

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Player } from "./player";
 
-test("a second of 60 frames shows 60 of them, whatever the page's own rate", () => {
+test("a second at 60 fps shows 60 frames, whatever the display's rate", () => {
   for (const rate of [24, 59, 60, 144]) {
     const player = new Player(1000, 60);
     player.play();
@@ -11,7 +11,7 @@ test("a second of 60 frames shows 60 of them, whatever the page's own rate", () 
   }
 });
 
-test("a loop goes on at the beginning, without it the last frame stays", () => {
+test("playback loops to the beginning, or stops at the last frame", () => {
   const player = new Player(10, 10);
   player.play();
   player.advance(1.25);
@@ -22,7 +22,7 @@ test("a loop goes on at the beginning, without it the last frame stays", () => {
   assert.equal(player.playing, false);
 });
 
-test("half the speed takes twice as long", () => {
+test("at half speed playback takes twice as long", () => {
   const player = new Player(100, 20);
   player.speed = 0.5;
   player.play();
@@ -30,7 +30,7 @@ test("half the speed takes twice as long", () => {
   assert.equal(player.frame, 10);
 });
 
-test("steps stop the motion, go round in a loop and never leave the frames", () => {
+test("steps pause playback, wrap around in a loop and stay within the frames", () => {
   const player = new Player(10, 10);
   player.play();
   player.step(-1);

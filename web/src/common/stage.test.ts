@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { spared_more } from "./stage";
 
-test("a slow machine goes without shadows first, then with fewer pixels, but not without end", () => {
+test("a slow machine first drops shadows, then resolution, down to a limit", () => {
   let spared = { shadows: false, ratio: 1 };
   const seen = [spared];
   for (let k = 0; k < 20; ++k) {

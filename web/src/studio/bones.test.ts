@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { changes_for, nearest_of } from "./bones";
 
-test("a joint is in one of both lists at most, and an empty list is no key", () => {
+test("a joint is in at most one of the two lists, and an empty list removes its key", () => {
   const none = { chosen: [], unchosen: [] };
   assert.deepEqual(changes_for({ name: "a", is_bone: true }, none), { "skeleton.not_bones": ["a"] });
   assert.deepEqual(changes_for({ name: "a", is_bone: false }, none), { "skeleton.bones": ["a"] });
@@ -16,7 +16,7 @@ test("a joint is in one of both lists at most, and an empty list is no key", () 
   });
 });
 
-test("the joint under the mouse is the nearest within reach", () => {
+test("the joint under the pointer is the nearest one within reach", () => {
   const places: [number, number][] = [[0, 0], [10, 0], [14, 0]];
   assert.equal(nearest_of(places, 11, 1, 18), 1);
   assert.equal(nearest_of(places, 13, 0, 18), 2);

@@ -2,13 +2,13 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { is_apart, radius_of, stiffness_of, write_paint_colour } from "./paint";
 
-test("radii run from a 500th of the size to a fifth", () => {
+test("radii range from a 500th to a fifth of the size", () => {
   assert.ok(Math.abs(radius_of(0, 2) - 0.004) < 1e-12);
   assert.ok(Math.abs(radius_of(100, 2) - 0.4) < 1e-12);
   assert.ok(Math.abs(radius_of(50, 2) - 0.04) < 1e-12);
 });
 
-test("stiffness is a share of alpha, or from a tenth to ten times a modulus", () => {
+test("stiffness is a fraction of alpha, or a tenth to ten times a modulus", () => {
   assert.equal(stiffness_of(30, 1), 0.3);
   assert.deepEqual([0, 50, 65, 100].map((step) => stiffness_of(step, 10)), [0.1, 1, 2, 10]);
   const colour = (value: number, most: number) => {
@@ -21,12 +21,12 @@ test("stiffness is a share of alpha, or from a tenth to ten times a modulus", ()
   assert.deepEqual(colour(10, 10), colour(1, 1));
 });
 
-test("places that lie closer than the spacing are left out", () => {
+test("places closer together than the spacing are skipped", () => {
   assert.ok(is_apart([0, 0, 0], [0.3, 0.4, 0], 0.5));
   assert.ok(!is_apart([0, 0, 0], [0.3, 0.39, 0], 0.5));
 });
 
-test("what is not painted has one colour, and both ways along a fibre have one", () => {
+test("everything unpainted has one colour, and opposite fibre directions have the same colour", () => {
   const colour = (kind: string, values: number[] | null, vertex: number) => {
     const to = new Float32Array(3);
     write_paint_colour(kind, values && Float32Array.from(values), vertex, to, 0);

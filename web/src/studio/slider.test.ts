@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { range_of, step_of, STEPS, value_of } from "./slider";
 
-test("a slider's ends are its bounds, and what it gives lies between them, rising", () => {
+test("a slider ends at its bounds, and its values increase from one to the other", () => {
   for (const range of [
     { least: 0, most: 60, logarithmic: false },
     { least: 0.5, most: 100, logarithmic: true },
@@ -15,7 +15,7 @@ test("a slider's ends are its bounds, and what it gives lies between them, risin
   }
 });
 
-test("soft bounds go before hard ones, and a key without two has no slider", () => {
+test("soft bounds take precedence over hard ones, and a key without two bounds has no slider", () => {
   assert.deepEqual(range_of({ minimum: 0, maximum: 1e9, soft_minimum: 1, soft_maximum: 10, logarithmic: true }), {
     least: 1,
     most: 10,

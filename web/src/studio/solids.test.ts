@@ -21,7 +21,7 @@ function turned(middle: Vector3, rotation: Quaternion): Pose {
   return { middle: middle.toArray(), axes: [axis(0), axis(1), axis(2)] };
 }
 
-test("distances are those that can be said by hand", () => {
+test("distances match values calculated by hand", () => {
   assert.equal(distance_to(solid("plane", [0, 0, 0], 0.1), UPRIGHT, 5, 0.3, -7), 0.3 - 0.1);
   assert.ok(Math.abs(distance_to(solid("sphere", [0, 0, 0], 2), UPRIGHT, 3, 4, 0) - 3) < 1e-12);
   const capsule = solid("capsule", [0, 1, 0], 0.5);
@@ -32,7 +32,7 @@ test("distances are those that can be said by hand", () => {
   assert.ok(Math.abs(distance_to(box, UPRIGHT, 0.9, 0, 0) + 0.1) < 1e-12);
 });
 
-test("what is drawn of a solid lies on it, wherever it stands", () => {
+test("the drawn vertices of a solid lie on its surface in any pose", () => {
   const rotation = new Quaternion().setFromAxisAngle(new Vector3(1, 2, -0.5).normalize(), 0.7);
   const pose = turned(new Vector3(0.4, -1, 2), rotation);
   for (const one of [solid("sphere", [0, 0, 0], 0.3), solid("capsule", [0, 0.5, 0], 0.2), solid("box", [0.3, 0.5, 0.1], 0.05)]) {
@@ -46,7 +46,7 @@ test("what is drawn of a solid lies on it, wherever it stands", () => {
   }
 });
 
-test("a block of four points a solid is its pose, and rounding does not stretch it", () => {
+test("the pose of a solid is read from its four points, and rounding does not stretch it", () => {
   const rotation = new Quaternion().setFromAxisAngle(new Vector3(0, 0.6, 0.8), 1.1);
   const pose = turned(new Vector3(3, 2, 1), rotation);
   const numbers = [...pose.middle, ...pose.axes.flatMap((axis) => axis.map((one, c) => 1.0003 * one + pose.middle[c]))];
@@ -57,7 +57,7 @@ test("a block of four points a solid is its pose, and rounding does not stretch 
   });
 });
 
-test("what falls has its floor where the highest plane below it stands", () => {
+test("the floor of a falling body is the highest plane below it", () => {
   const at = (y: number, up: [number, number, number] = [0, 1, 0], radius = 0): SolidMessage => ({
     ...solid("plane", [0, 0, 0], radius),
     middle: [0, y, 0],
@@ -72,7 +72,7 @@ test("what falls has its floor where the highest plane below it stands", () => {
   assert.equal(floor_of([solid("box", [1, 1, 1], 0)], 0.3), 0.3);
 });
 
-test("free flesh within the gap touches; what the skeleton moves, lies deeper or is away does not", () => {
+test("free vertices within the gap touch; kinematic, deeper and distant ones do not", () => {
   const vertices = Float32Array.from([0, 0, 0, 0, 0.0009, 0, 0, -0.5, 0, 0, 0.5, 0, 0, 0.0005, 0]);
   const floor = solid("plane", [0, 0, 0], 0);
   assert.deepEqual(touching([floor], [UPRIGHT], vertices, Uint8Array.from([0, 0, 0, 0, 1]), 0.001), [0, 1]);

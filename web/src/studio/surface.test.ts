@@ -8,7 +8,7 @@ const sides = Uint32Array.from(
   [0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7],
 );
 
-test("a cube has a normal for each side, three at each corner", () => {
+test("a cube has one normal per side, three at each corner", () => {
   const { surface, groups } = skin_of({
     rest: cube,
     triangles: sides,
@@ -29,7 +29,7 @@ test("a cube has a normal for each side, three at each corner", () => {
   assert.deepEqual(corners(surface.triangles, (k) => surface.place[k]), corners(sides));
 });
 
-test("the outside of two tetrahedra leaves out the side they share, and a cut takes one away", () => {
+test("the outside of two tetrahedra has no shared side, and a cut removes the tetrahedra beyond it", () => {
   const rest = Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1]);
   const tetrahedra = Uint32Array.from([0, 1, 2, 3, 1, 2, 3, 4]);
   const layer = Uint8Array.from([0, 0, 0, 0, 1]);
@@ -39,7 +39,7 @@ test("the outside of two tetrahedra leaves out the side they share, and a cut ta
   assert.equal(tetrahedra_surface(rest, tetrahedra, layer, { axis: 0, place: -1 }).triangles.length, 0);
 });
 
-test("a ray meets the nearest side, at the nearest corner", () => {
+test("a ray hits the nearest side, and reports the nearest corner", () => {
   const { surface } = skin_of({
     rest: cube,
     triangles: sides,

@@ -15,7 +15,7 @@ const key = (path: string, more: Partial<SceneKey> = {}): SceneKey => ({
   ...more,
 });
 
-test("of the forms of a layer's stiffness the scene's own is shown", () => {
+test("of the equivalent keys for a layer's stiffness, the one that the scene sets is shown", () => {
   const is_set = (path: string) => path === "layers.fat.alpha";
   const slider = { soft_minimum: 0, soft_maximum: 1 };
   assert.ok(is_near(key("layers.fat.alpha", { ...slider, is_set: true, rivals: ["layers.fat.frequency"] }), is_set));
@@ -25,13 +25,13 @@ test("of the forms of a layer's stiffness the scene's own is shown", () => {
   assert.ok(!is_near(key("solver.seed"), is_set));
 });
 
-test("keys that would be refused are not offered", () => {
+test("keys that the scene would refuse are hidden", () => {
   const slider = { soft_minimum: 0, soft_maximum: 1 };
   assert.ok(is_near(key("layers.fat.least_volume", slider), () => false));
   assert.ok(!is_near(key("layers.fat.least_volume", { ...slider, why_unused: "for the implicit integrator" }), () => false));
 });
 
-test("groups are titled as people say them", () => {
+test("groups have readable titles", () => {
   const title = (path: string) => title_of({ path, title: path, doc: "", keys: [] });
   assert.equal(title("layers.fat"), "Layer fat");
   assert.equal(title("layers.fat.where.bone_distance"), "Layer fat, where bone distance");
