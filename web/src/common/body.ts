@@ -210,7 +210,7 @@ export class Body {
     this.colour_values.needsUpdate = true;
   }
 
-  // Uses a function of the vertex's number in the bake, which writes three entries.
+  // Colours by a function that gets the vertex's number in the bake and writes three entries.
   colour_by(write: (vertex: number, to: Float32Array, at: number) => void): void {
     this.mesh.material = this.materials.coloured;
     this.coloured_as = null;

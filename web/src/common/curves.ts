@@ -1,4 +1,4 @@
-// Curves over the time line, each in its own lane, with a mark at the current frame.
+// Curves over the timeline, each in its own lane, with a mark at the current frame.
 import type { Curve } from "./film";
 import { nice_above, short_number } from "./numbers";
 
@@ -44,7 +44,7 @@ export function value_text(curve: Curve, frame: number): string {
   return curve.unit ? `${short_number(value)} ${curve.unit}` : short_number(value);
 }
 
-// The labels of the curves' axes.
+// The time axis.
 export interface Axis {
   fps: number;
   start: number; // s, at frame 0
@@ -62,7 +62,8 @@ export function time_ticks(start: number, end: number, wanted: number): { times:
   const step = nice_above(span / Math.max(wanted, 1));
   const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const times: number[] = [];
-  for (let k = Math.ceil(start / step - 1e-9); k * step <= end + 1e-9 * span; ++k) times.push(k === 0 ? 0 : k * step); // no -0
+  // Without -0.
+  for (let k = Math.ceil(start / step - 1e-9); k * step <= end + 1e-9 * span; ++k) times.push(k === 0 ? 0 : k * step);
   return { times, digits };
 }
 

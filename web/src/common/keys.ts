@@ -1,4 +1,4 @@
-// Keyboard bindings: one table, which is also the page's help.
+// Keyboard shortcuts: one table, which is also the page's help.
 
 export interface Binding {
   keys: string[]; // as in KeyboardEvent.key, with "Shift+" in front if shift is required

@@ -33,7 +33,7 @@ export class Orbit {
   elevation = VIEWS["three-quarter"].elevation;
   distance = 5;
   readonly target = new Vector3();
-  readonly carried = new Vector3(); // moves with a body
+  readonly carried = new Vector3(); // offset of a body that the camera follows
   private home = { distance: 5, target: new Vector3() };
   // The tangent that the framed points need on either side of the middle, over all views at the home distance.
   across = 0;
@@ -91,7 +91,7 @@ export class Orbit {
     this.changed();
   }
 
-  // In fractions of the picture's height.
+  // Both in fractions of the picture's height.
   pan(across: number, up: number): void {
     const sine = Math.sin(this.azimuth);
     const cosine = Math.cos(this.azimuth);

@@ -26,7 +26,7 @@ const MOST_LATE = 6; // this many slow pictures in a row reduce the quality
 const STILL = 180; // ms without a change before a picture is drawn at full quality
 const LEAST_RATIO = 0.5;
 
-// What a machine that draws too slowly leaves out during motion.
+// What a slow machine leaves out during motion.
 export interface Spared {
   shadows: boolean;
   ratio: number; // divisor of the pixel ratio
@@ -144,7 +144,7 @@ export class Stage {
       this.renderer.setSize(width, height, false);
       this.stale = true;
     }
-    // When nothing changes any more, a picture may take longer.
+    // Once nothing changes any more, a full-quality picture may take longer.
     const settles = !this.stale && !this.is_full && !this.moves && performance.now() - this.changed > STILL;
     if (!(this.stale || settles) || this.is_busy()) return false;
     this.stale = false;

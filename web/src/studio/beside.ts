@@ -1,4 +1,4 @@
-// The bake shown for comparison: its shape, and how it is drawn.
+// The comparison bake: its shape, and how it is drawn.
 import type { Group, Scene } from "three";
 import { Body, BodyMaterials } from "../common/body";
 import type { Looks } from "../common/body";
@@ -28,7 +28,7 @@ export function same_items(a: Items | undefined, b: Items | undefined): boolean 
   return true;
 }
 
-// m between two lists of places, 3 numbers each; returns the maximum.
+// Writes the distances, m, between two lists of places (3 numbers each); returns the largest.
 export function write_distances(a: Float32Array, b: Float32Array, to: Float32Array): number {
   let most = 0;
   for (let p = 0; p < to.length; ++p) {
@@ -69,7 +69,7 @@ export class Beside {
     return tetrahedra ? this.has_same_tetrahedra : this.has_same_skin;
   }
 
-  // `arrays`: its own, without the prefix. `played`: the played body's; null while unknown.
+  // `arrays`: the bake's, without the prefix. `played`: of the played body; null while unknown.
   set(
     bake: BesideBake | null,
     arrays: Map<string, Items>,
@@ -79,7 +79,10 @@ export class Beside {
     if (!bake || !played) return;
     this.arrays = arrays;
     const same = (name: string) => same_items(arrays.get(name), played.arrays.get(name));
-    this.has_same_skin = this.has_skin && same("surface.triangle") && arrays.get("surface.rest")?.length === played.arrays.get("surface.rest")?.length;
+    this.has_same_skin =
+      this.has_skin &&
+      same("surface.triangle") &&
+      arrays.get("surface.rest")?.length === played.arrays.get("surface.rest")?.length;
     this.has_same_tetrahedra = same("tetrahedron");
     // A bake with the same vertices has the colours of the played body.
     const colours = this.has_same_skin ? ((played.arrays.get("surface.colour") as Float32Array | undefined) ?? null) : null;
@@ -149,7 +152,7 @@ export class Beside {
     this.scene.add(this.body.group);
   }
 
-  // Its places in this frame; null if the frame does not contain them.
+  // Draws a frame. Returns its places; null if the frame does not contain them.
   show(frame: FrameMessage, choice: BesideChoice): Float32Array | null {
     if (!this.is_there) return null;
     const tetrahedra = choice.tetrahedra || !this.skin;

@@ -6,7 +6,7 @@ export interface ChangesUser {
   refused(error: Error): void;
 }
 
-// Only one change is in flight; of the changes waiting, only the last is sent.
+// While a change is in flight, only the latest further one waits. A change of another key sends the waiting one first.
 export class Changes {
   private pending: { path: string; value: KeyValue; gesture: number | null } | null = null;
   private is_sending = false;

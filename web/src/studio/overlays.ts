@@ -1,4 +1,4 @@
-// Drawn in addition to a body: fibres, skeleton, inverted tetrahedra, the scene's solids, markers.
+// Overlays on a body: fibres, skeleton, inverted tetrahedra, the scene's solids, markers.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -45,7 +45,8 @@ class Lines {
   }
 }
 
-// The squares sum to one: every direction is equally bright, and the axes get pure colours.
+// Weighted by a direction's squared components, which sum to one: all directions are equally bright, and each axis
+// has a pure colour.
 const AXIS_COLOURS = [
   [0.68, 0.033, 0.025],
   [0.028, 0.342, 0.052],

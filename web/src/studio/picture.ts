@@ -1,4 +1,4 @@
-// The studio's picture: draws the body from the server as the user chose.
+// The studio's viewport: draws the server's body as the user chose.
 import { Raycaster, Vector2, Vector3 } from "three";
 import type { Group } from "three";
 import { Body, BodyMaterials } from "../common/body";
@@ -31,7 +31,7 @@ export interface Choice {
   lag_scale: number; // m, for lag and for the difference
 }
 
-// The blocks that frames must contain for it.
+// The blocks that frames must contain for this choice.
 export function blocks_for(choice: Choice, has_skin: boolean): BlockName[] {
   const blocks: BlockName[] = [];
   const tetrahedra = choice.tetrahedra || !has_skin;
@@ -136,8 +136,8 @@ export class Picture {
     this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
     middle.y -= 0.5 * fall;
-    // A clip moves around; adding half the size covers most clips, including a jump with raised arms. A falling
-    // body is fitted above and below.
+    // Leaves room for motion: 1.5 times the size covers most clips, including a jump with raised arms. For a
+    // falling body, both its start and its end are fitted.
     const points: number[] = [];
     for (const down of fall > 0 ? [0, fall] : [0])
       rest.forEach((value, k) => points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3))));
@@ -185,7 +185,7 @@ export class Picture {
     this.stage.scene.add(this.flesh.group, this.ghost.group);
   }
 
-  // False if the frame lacks something that the choice needs.
+  // False if the frame lacks what the choice needs.
   show(frame: FrameMessage, choice: Choice): boolean {
     this.make_bodies(choice);
     const tetrahedra = choice.tetrahedra || !this.skin;

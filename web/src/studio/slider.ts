@@ -9,7 +9,7 @@ export interface Range {
   logarithmic: boolean;
 }
 
-// Nothing for a key without both bounds.
+// Null for a key without both bounds.
 export function range_of(key: Pick<SceneKey, "soft_minimum" | "soft_maximum" | "minimum" | "maximum" | "logarithmic">): Range | null {
   const least = key.soft_minimum ?? key.minimum;
   const most = key.soft_maximum ?? key.maximum;
@@ -24,7 +24,7 @@ export function step_of(value: number, range: Range): number {
   return Math.round(Math.min(Math.max(share, 0), 1) * STEPS);
 }
 
-// Rounded to three significant digits, as people write numbers.
+// Rounded to three significant digits.
 export function value_of(step: number, range: Range): number {
   const share = step / STEPS;
   const value = range.logarithmic
