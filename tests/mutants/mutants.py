@@ -53,6 +53,8 @@ SWAPS = ((r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "),
          (r"\btrue\b", "false"), (r"\bfalse\b", "true"), (r"std::min\b", "std::max"), (r"std::max\b", "std::min"),
          (r"\+\+", "--"), (r" \+= ", " -= "), (r" -= ", " += "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
          (r"\b0\b(?!\.)", "1"), (r"\b1\b(?!\.)", "2"), (r"\b0\.5\b", "0.25"), (r"\b2\.0\b", "3.0"), (r"\(!", "("))
+# The kernels compare floating-point numbers, which are hardly ever equal: there a comparison is turned round.
+BOUNDS = {r" < ": " > ", r" <= ": " >= ", r" > ": " < ", r" >= ": " <= "}
 # A statement that can be left out: an assignment, or a call for its side effects.
 STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
 # Programs that a test starts.
@@ -140,6 +142,8 @@ def places(patterns):
                     continue
                 name = os.path.relpath(path, SOURCE)
                 for old, new in SWAPS:
+                    if name.startswith("shaders/"):
+                        new = BOUNDS.get(old, new)
                     for match in re.finditer(old, code):
                         found.append((name, number, code[:match.start()] + new + code[match.end():]))
                 if STATEMENT.match(code):
