@@ -12,6 +12,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -61,6 +62,7 @@ STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [
 STARTED = {"test_cli": ("fascicle", "fascicle-mesher"), "test_pipeline": ("fascicle-mesher",)}
 LEAST = 0.9  # share of faults that must be found
 UNKNOWN = "not looked at"
+SHARDS = os.cpu_count()
 PATIENCE = 600  # s for the tests of one room; a longer run counts as an endless loop
 
 def fail(text):
@@ -108,24 +110,48 @@ class DoesNotBuild(Exception):
     pass
 
 
+def started(test, shard, temporary):
+    """One of SHARDS processes that share a program's tests, in a folder of its own."""
+    folder = os.path.join(temporary, str(shard))
+    os.makedirs(folder, exist_ok=True)
+    environment = {**os.environ, "TMPDIR": folder, "FASCICLE_CACHE_DIR": os.path.join(folder, "cache"),
+                   "GTEST_TOTAL_SHARDS": str(SHARDS), "GTEST_SHARD_INDEX": str(shard)}
+    with open(os.path.join(folder, "text"), "w") as text:
+        return subprocess.Popen([os.path.join(BUILD, test[0]), *test[1:], "--gtest_brief=1", "--gtest_fail_fast"],
+                                stdout=text, stderr=subprocess.STDOUT, cwd=folder, env=environment,
+                                start_new_session=True)
+
+
+def failure(test, temporary):
+    """The name of a failing test of this program; None if all pass. The first failure ends all shards."""
+    shards = {shard: started(test, shard, temporary) for shard in range(SHARDS)}
+    running, found, end = dict(shards), None, time.monotonic() + PATIENCE
+    while running and found is None:
+        time.sleep(0.05)
+        for shard, process in list(running.items()):
+            if process.poll() is None:
+                continue
+            del running[shard]
+            if process.returncode != 0:
+                with open(os.path.join(temporary, str(shard), "text"), errors="replace") as file:
+                    name = re.search(r"^\[  FAILED  \] (\S+)", file.read(), re.MULTILINE)
+                found = name.group(1) if name else "%s ended with %d" % (test[0], process.returncode)
+        if running and time.monotonic() > end:
+            found = test[0] + ": does not end"
+    for process in running.values():
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    return found
+
+
 def first_that_fails(tests, temporary):
-    """The name of the first failing test; None if all pass. Builds each test just before it runs."""
+    """The name of the first failing test; None if all pass. Builds each program just before it runs."""
     for test in tests:
         if not built([test[0], *STARTED.get(test[0], ())]):
             raise DoesNotBuild
-        command = [os.path.join(BUILD, test[0]), *test[1:], "--gtest_brief=1", "--gtest_fail_fast"]
-        environment = {**os.environ, "TMPDIR": temporary, "FASCICLE_CACHE_DIR": os.path.join(temporary, "cache")}
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=temporary,
-                                   env=environment, errors="replace", start_new_session=True)
-        try:
-            text, _ = process.communicate(timeout=PATIENCE)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
-            process.communicate()
-            return test[0] + ": does not end"
-        if process.returncode != 0:
-            found = re.search(r"^\[  FAILED  \] (\S+)", text, re.MULTILINE)
-            return found.group(1) if found else "%s ended with %d" % (test[0], process.returncode)
+        found = failure(test, temporary)
+        if found:
+            return found
     return None
 
 
