@@ -3,8 +3,8 @@
 mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into build/mutants and builds it there. Plants
 a random fault, then builds and runs the tests of its room until one fails. Before that, the tests must pass on the
 unchanged sources, or every fault would seem to be found. Prints the surviving faults as a table, or writes it into
-docs/tests.md; living.txt says why some may survive. --in-place plants in this tree and builds in its build/release, for
-a clone made for this purpose. FASCICLE_SEED repeats a run."""
+docs/tests.md; living.txt lists those that change no result, and why. --in-place plants in this tree and builds in its
+build/release, for a clone made for this purpose. FASCICLE_SEED repeats a run."""
 
 import argparse
 import glob
@@ -60,7 +60,7 @@ BOUNDS = {r" < ": " > ", r" <= ": " >= ", r" > ": " < ", r" >= ": " <= "}
 STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
 # Programs that a test starts.
 STARTED = {"test_cli": ("fascicle", "fascicle-mesher"), "test_pipeline": ("fascicle-mesher",)}
-LEAST = 0.9  # share of faults that must be found
+LEAST = 0.9  # share that must be found of the faults that change a result
 UNKNOWN = "not looked at"
 SHARDS = os.cpu_count()
 PATIENCE = 600  # s for the tests of one room; a longer run counts as an endless loop
@@ -247,13 +247,14 @@ def main():
             tried = try_room(room, asked.count, temporary)
         living = [["`%s:%d`" % (name, number), *("`%s`" % text.replace("|", "\\|") for text in (line, made)),
                    known.get((name, line, made), UNKNOWN)] for name, number, line, made, found in tried if not found]
-        ran[room] = {"planted": len(tried), "found": len(tried) - len(living), "living": living,
-                     "commit": page.commit()}
+        equivalent = sum(row[-1] != UNKNOWN for row in living)
+        ran[room] = {"planted": len(tried), "equivalent": equivalent, "found": len(tried) - len(living),
+                     "living": living, "commit": page.commit()}
         if asked.write:  # other rooms keep their earlier figures
             page.put("mutants", {"rooms": {**page.kept("mutants").get("rooms", {}), room: ran[room]}})
-        if ran[room]["found"] < LEAST * len(tried):
-            print("mutants: %s: %s were found, below %s" % (room, page.share(ran[room]["found"], len(tried)),
-                                                            page.share(LEAST, 1)))
+        if ran[room]["found"] < LEAST * (len(tried) - equivalent):
+            print("mutants: %s: %s were found, below %s" % (
+                room, page.share(ran[room]["found"], len(tried) - equivalent), page.share(LEAST, 1)))
             status = 1
         for row in living:
             if row[-1] == UNKNOWN:

@@ -36,7 +36,8 @@ write counts. First, a program with an unused function must be counted as such.
 `./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the code that
 resumes bakes: it swaps a comparison, a sign or a bound, or leaves out a statement. Lines that contain text and lines
 that throw are left alone. It builds, and runs the tests of that room until one fails. Before that, the tests must pass
-on the unchanged sources.
+on the unchanged sources. Some changes do not alter any result, such as whether memory is read ahead of its use; each is
+listed with its reason in `tests/mutants/living.txt`.
 
 %(mutants)s"""
 
@@ -76,11 +77,12 @@ def coverage_text(figures):
 
 def mutants_text(figures):
     rooms = figures["rooms"]
-    rows = [("`%s`" % room, one["planted"], one["found"], share(one["found"], one["planted"]), one["commit"])
-            for room, one in rooms.items()]
-    planted, found = (sum(one[key] for one in rooms.values()) for key in ("planted", "found"))
-    rows.append(("all", planted, found, share(found, planted), ""))
-    text = table(("room", "planted", "found", "share", "commit"), rows)
+    keys = ("planted", "equivalent", "found")
+    counts = {"`%s`" % room: [one[key] for key in keys] + [one["commit"]] for room, one in rooms.items()}
+    counts["all"] = [sum(one[key] for one in rooms.values()) for key in keys] + [""]
+    text = table(("room", "planted", "change no result", "found", "share of the others", "commit"), [
+        (name, planted, equivalent, found, share(found, planted - equivalent), commit)
+        for name, (planted, equivalent, found, commit) in counts.items()])
     living = [row for one in rooms.values() for row in one["living"]]
     if living:
         head = ("where", "line", "changed to", "why no test notices")
