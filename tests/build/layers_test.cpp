@@ -260,14 +260,22 @@ TEST(Layers, PaintedStiffnessMultipliesAlpha) {
   const PaintedBar bar;
   scene::Scene scene = two_layers(scene::Everywhere{});
   scene.layers[1].alpha = 0.5;
-  scene.layers[1].alpha_attribute = "COLOR_0.g";
-  const build::Layering layering = bar.layer(scene);
-  for (std::size_t i = 0; i < layering.alpha.size(); ++i) {
+  const auto alphas = [&](const char* attribute) {
+    scene.layers[1].alpha_attribute = attribute;
+    return bar.layer(scene).alpha;
+  };
+  const std::vector<double> ramp = alphas("COLOR_0.g"), none = alphas("COLOR_0.r"), beyond = alphas("_LAYER");
+  std::size_t painted_beyond_one = 0;
+  for (std::size_t i = 0; i < ramp.size(); ++i) {
     const double x = bar.body.mesh.vertices[i][0];
     if (x > 0.045 && x < 0.355) {
-      EXPECT_NEAR(layering.alpha[i], 0.5 * x / 0.4, 1e-12);
+      EXPECT_NEAR(ramp[i], 0.5 * x / 0.4, 1e-12);
     }
+    EXPECT_EQ(none[i], 0.0) << "red is 0 everywhere";
+    EXPECT_TRUE(beyond[i] == 0.0 || beyond[i] == 0.5) << "paint of 2 counts as 1, of 0 as 0: " << beyond[i];
+    painted_beyond_one += beyond[i] > 0.0;
   }
+  EXPECT_GT(painted_beyond_one, 5u);
 }
 
 TEST(Layers, BonesMayHaveExtentsOfTheirOwn) {

@@ -138,9 +138,12 @@ def started(test, names, shard, temporary):
 
 def failure(test, temporary):
     """The name of a failing test of this program; None if all pass. The first failure ends all shards."""
-    names = names_of(test)
+    try:
+        names = names_of(test)
+    except subprocess.CalledProcessError:
+        return test[0] + " does not start"
     if not names:
-        return test[0] + " has no such tests"
+        fail(test[0] + " has none of these tests")
     shards = {shard: started(test, names, shard, temporary) for shard in range(min(SHARDS, len(names)))}
     running, found, end = dict(shards), None, time.monotonic() + PATIENCE
     while running and found is None:
