@@ -278,6 +278,33 @@ TEST(Layers, PaintedStiffnessMultipliesAlpha) {
   EXPECT_GT(painted_beyond_one, 5u);
 }
 
+// A bone runs along an edge of the bar, beside its vertices, so none is near enough: all are added.
+TEST(Layers, WhatCompletesABoneIsInItsLayer) {
+  PaintedBar bar;
+  bar.body.bones = {{{0.0, 0.003, 0.0}, {0.4, 0.003, 0.0}, {0, -1, -1}}};
+  bar.body.joints = {{"trunk", -1, 0, false}};
+  bar.body.joint_count = 1;
+  for (std::uint32_t& joint : bar.body.skin.joint) joint = 0;
+  scene::Scene scene = two_layers(scene::BoneDistance{0.0, 0.001});
+  scene.layers[1].kinematic = true;
+  build::Report report;
+  build::Measures measures(bar.body);
+  build::WhereTest test(measures);
+  const build::Layering layering = build::assign_layers(
+      scene, test, measures, build::one_rings(bar.body.mesh.vertices.size(), bar.body.mesh.tetrahedra),
+      bar.source_vertex, report);
+  std::uint32_t bones = 0;
+  for (std::size_t i = 0; i < layering.layer.size(); ++i) {
+    const Vector3d& p = bar.body.mesh.vertices[i];
+    const double from_edge = std::hypot(p[1], p[2]);
+    if (from_edge > 0.05) continue;  // far from every bone
+    EXPECT_EQ(layering.layer[i], from_edge < 1e-9 ? 1u : 0u) << p.transpose();
+    bones += layering.layer[i];
+  }
+  EXPECT_EQ(layering.layer[0], 1u) << "the first vertex too";
+  EXPECT_EQ(report.bone_vertices_added, bones);
+}
+
 TEST(Layers, BonesMayHaveExtentsOfTheirOwn) {
   const PaintedBar bar;
   const build::Layering layering = bar.layer(two_layers(scene::BoneDistance{0.0, 0.025, {{"trunk", 0.045}}}));

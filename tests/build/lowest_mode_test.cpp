@@ -61,6 +61,18 @@ TEST(LowestMode, ByGridsIsThatWithout) {
   }
 }
 
+// The mode follows from the stiffness per mass. Powers of two keep every bit, also of the small term that
+// keeps a region on a line from dividing by zero.
+TEST(LowestMode, DoesNotDependOnTheUnitsOfMassAndLength) {
+  constexpr std::size_t never = 1000000;
+  HeldBody body(jittered_bar({13, 5, 5}));
+  const double before = square(body, never);
+  for (double& mass : body.model.mass) mass *= 0x1p-20;
+  for (float& coordinate : body.model.rest) coordinate *= 0x1p-7f;
+  body.weights = build::region_weights(body.rings, body.state, body.model.weight_form);
+  EXPECT_NEAR(square(body, never), before, 1e-5 * before);
+}
+
 // Two parts separated by a wall thicker than a region; the longer part has the lower mode.
 TEST(LowestMode, FindsTheLowestOfSeveralParts) {
   HeldBody body(jittered_bar({41, 9, 5}));
