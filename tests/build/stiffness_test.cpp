@@ -55,6 +55,38 @@ TEST(Stiffness, ARegionWithoutAModulusTakesItsNeighbours) {
   for (const double E : build_quietly(scene).youngs_modulus) EXPECT_NEAR(E, 5e3, 1e-9);
 }
 
+// Bone below 0.12 m, flesh, and stiffer flesh from 0.32 m on, in cells of 0.02 m of a few grams each.
+TEST(Stiffness, ARegionWithoutAModulusTakesNoOthers) {
+  scene::Scene scene = elastic_scene(5e3);
+  scene::Layer stiff = scene.layers[0], bone;
+  stiff.name = "stiff";
+  stiff.youngs_modulus = 2e4;
+  stiff.where = {scene::HalfSpace{scene::Axis::x, false, true, 0.8}};
+  bone.name = "bone";
+  bone.kinematic = true;
+  bone.where = {scene::HalfSpace{scene::Axis::x, true, true, 0.3}};
+  scene.layers.push_back(stiff);
+  scene.layers.push_back(bone);
+  scene.pins.clear();
+  const Model m = build_quietly(scene);
+  const build::OneRings rings{m.ring_offset, m.ring};
+  std::size_t beside_flesh = 0;
+  for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
+    if (!m.is_kinematic(r)) continue;
+    double least = 1e30, most = 0.0;
+    for (const std::uint32_t i : rings[r]) {
+      if (m.is_kinematic(i)) continue;
+      least = std::min(least, m.youngs_modulus[i]);
+      most = std::max(most, m.youngs_modulus[i]);
+    }
+    if (most == 0.0) continue;
+    ++beside_flesh;
+    EXPECT_EQ(least, 5e3);
+    EXPECT_NEAR(m.youngs_modulus[r], 5e3, 1e-9) << "its neighbours' are " << least << " to " << most;
+  }
+  EXPECT_GT(beside_flesh, 10u);
+}
+
 // The lowest mode scales with the root of E: twice the frequency takes four times the modulus, and a modulus
 // gives back its frequency.
 TEST(Stiffness, FrequencyGivesAModulus) {
