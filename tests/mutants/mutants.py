@@ -74,7 +74,9 @@ def prepare(in_place):
     """A copy of the files that git knows or does not ignore, and a build of it. An earlier build is reused."""
     global TREE, BUILD
     if in_place:
-        if subprocess.run(["git", "status", "--porcelain", "-uno"], cwd=SOURCE, capture_output=True).stdout:
+        # --write changes docs.
+        if subprocess.run(["git", "status", "--porcelain", "-uno", "--", ":!docs"], cwd=SOURCE,
+                          capture_output=True).stdout:
             fail("changes that are not committed would be mixed with faults")
         TREE, BUILD = SOURCE, os.path.join(SOURCE, "build", "release")
         return
