@@ -148,21 +148,23 @@ def failure(test, temporary):
         fail(test[0] + " has none of these tests")
     shards = {shard: started(test, names, shard, temporary) for shard in range(min(SHARDS, len(names)))}
     running, found, end = dict(shards), None, time.monotonic() + PATIENCE
-    while running and found is None:
-        time.sleep(0.05)
-        for shard, process in list(running.items()):
-            if process.poll() is None:
-                continue
-            del running[shard]
-            if process.returncode != 0:
-                with open(os.path.join(temporary, str(shard), "text"), errors="replace") as file:
-                    name = re.search(r"^\[  FAILED  \] (\S+)", file.read(), re.MULTILINE)
-                found = name.group(1) if name else "%s ended with %d" % (test[0], process.returncode)
-        if running and time.monotonic() > end:
-            found = test[0] + ": does not end"
-    for process in running.values():
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    try:
+        while running and found is None:
+            time.sleep(0.05)
+            for shard, process in list(running.items()):
+                if process.poll() is None:
+                    continue
+                del running[shard]
+                if process.returncode != 0:
+                    with open(os.path.join(temporary, str(shard), "text"), errors="replace") as file:
+                        name = re.search(r"^\[  FAILED  \] (\S+)", file.read(), re.MULTILINE)
+                    found = name.group(1) if name else "%s ended with %d" % (test[0], process.returncode)
+            if running and time.monotonic() > end:
+                found = test[0] + ": does not end"
+    finally:
+        for process in running.values():
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
     return found
 
 
@@ -257,6 +259,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="the rooms' figures into docs/tests.md")
     parser.add_argument("--in-place", action="store_true")
     asked = parser.parse_args()
+    # The source is restored, and tests in an endless loop end, also when this ends.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
     known = reasons()
