@@ -63,7 +63,10 @@ STARTED = {"test_cli": ("fascicle", "fascicle-mesher"), "test_pipeline": ("fasci
 LEAST = 0.9  # share that must be found of the faults that change a result
 UNKNOWN = "not looked at"
 SHARDS = os.cpu_count()
-PATIENCE = 600  # s for the tests of one room; a longer run counts as an endless loop
+# A program whose tests take longer than this, in times of its run on the unchanged sources, is in an endless loop or
+# waits for itself; and the least such limit, in s, since a fault's first run may compete with other work.
+PATIENCE, LEAST_PATIENCE = 5, 60
+
 
 def fail(text):
     print("mutants: " + text, file=sys.stderr)
@@ -138,8 +141,9 @@ def started(test, names, shard, temporary):
                                 cwd=folder, env=environment, start_new_session=True)
 
 
-def failure(test, temporary):
-    """The name of a failing test of this program; None if all pass. The first failure ends all shards."""
+def failure(test, temporary, limit=None):
+    """The name of a failing test of this program; None if all pass. The first failure ends all shards, as do `limit`
+    seconds."""
     try:
         names = names_of(test)
     except subprocess.CalledProcessError:
@@ -147,7 +151,7 @@ def failure(test, temporary):
     if not names:
         fail(test[0] + " has none of these tests")
     shards = {shard: started(test, names, shard, temporary) for shard in range(min(SHARDS, len(names)))}
-    running, found, end = dict(shards), None, time.monotonic() + PATIENCE
+    running, found, begin = dict(shards), None, time.monotonic()
     try:
         while running and found is None:
             time.sleep(0.05)
@@ -159,7 +163,7 @@ def failure(test, temporary):
                     with open(os.path.join(temporary, str(shard), "text"), errors="replace") as file:
                         name = re.search(r"^\[  FAILED  \] (\S+)", file.read(), re.MULTILINE)
                     found = name.group(1) if name else "%s ended with %d" % (test[0], process.returncode)
-            if running and time.monotonic() > end:
+            if running and limit and time.monotonic() > begin + limit:
                 found = test[0] + ": does not end"
     finally:
         for process in running.values():
@@ -168,14 +172,17 @@ def failure(test, temporary):
     return found
 
 
-def first_that_fails(tests, temporary):
-    """The name of the first failing test; None if all pass. Builds each program just before it runs."""
+def first_that_fails(tests, temporary, usual):
+    """The name of the first failing test; None if all pass. Builds each program just before it runs. `usual` holds the
+    seconds that these programs take on the unchanged sources, and gets those that it lacks."""
     for test in tests:
         if not built([test[0], *STARTED.get(test[0], ())]):
             raise DoesNotBuild
-        found = failure(test, temporary)
+        begin = time.monotonic()
+        found = failure(test, temporary, max(LEAST_PATIENCE, PATIENCE * usual[test]) if test in usual else None)
         if found:
             return found
+        usual.setdefault(test, time.monotonic() - begin)
     return None
 
 
@@ -214,8 +221,9 @@ def reasons():
 def try_room(room, count, temporary):
     """[(file, line number, line, mutated line, test that found it)] of `count` faults that compile."""
     patterns, tests = ROOMS[room]
+    usual = {}
     try:
-        wrong = first_that_fails(tests, temporary)
+        wrong = first_that_fails(tests, temporary, usual)
     except DoesNotBuild:
         fail(room + ": the sources as they are do not build")
     if wrong:
@@ -239,7 +247,7 @@ def try_room(room, count, temporary):
         try:
             with open(path, "w") as file:
                 file.write("\n".join(rows))
-            found = first_that_fails(tests, temporary)
+            found = first_that_fails(tests, temporary, usual)
         except DoesNotBuild:
             continue  # does not compile
         finally:
