@@ -54,6 +54,7 @@ void check_checkpoint(const Checkpoint& checkpoint, const model::Model& model, s
 // Whether the file begins like a checkpoint. False if it cannot be read.
 bool is_checkpoint(const std::filesystem::path& path);
 
+// The estimated size of the file, not below it for a scene of the usual length.
 std::uint64_t checkpoint_bytes(const model::Model& model);
 
 }  // namespace fascicle::bake

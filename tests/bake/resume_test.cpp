@@ -104,6 +104,20 @@ TEST(BakeResume, GoesOnAfterALeadIn) {
   for (const std::uint64_t last : {1u, 7u}) {
     const fs::path out = folder / ("cut" + std::to_string(last));
     EXPECT_TRUE(bake_bar(options_for(out), last).interrupted);
+    const auto saved = bake::read_checkpoint(out / "checkpoint");
+    ASSERT_TRUE(saved);
+    const std::uint64_t size = fs::file_size(out / "checkpoint"),
+                        estimate = bake::checkpoint_bytes(bar.model);
+    EXPECT_LE(size, estimate);
+    EXPECT_LE(estimate, size + 4096);  // what it allows for the identity
+    for (std::size_t k = 0; k < saved->skinned.size(); ++k) {
+      bake::Checkpoint damaged = *saved;
+      damaged.state.frame = 1;  // the first that has a frame before it
+      damaged.skinned[k].pop_back();
+      EXPECT_TRUE(contains(
+          message_of<BakeError>([&] { bake::check_checkpoint(damaged, bar.model, frames, "a/checkpoint"); }),
+          "a/checkpoint: the checkpoint is damaged (its skinned positions are of another body)"));
+    }
     BakeOptions options = options_for(out);
     options.resume = true;
     EXPECT_EQ(bake_bar(options, 1000).frames_done, frames);
