@@ -203,6 +203,39 @@ TEST(Embedding, AVertexRidesOnTheLimbThatItsJointsMove) {
   }
 }
 
+// Three limbs in the same place, moved by joints 0, 1 and 1: the same place in each is equally good.
+TEST(Embedding, TiesGoToTheHomeAndThenToTheLowestNumber) {
+  const TetMesh bar = build::make_bar(cage_bar, "test");
+  const auto vertices = static_cast<std::uint32_t>(bar.vertices.size());
+  const auto tetrahedra = static_cast<std::uint32_t>(bar.tetrahedra.size());
+  TwoLimbs limbs = two_limbs({0, 0, 0});
+  limbs.mesh.vertices.insert(limbs.mesh.vertices.end(), bar.vertices.begin(), bar.vertices.end());
+  for (const auto& t : bar.tetrahedra)
+    limbs.mesh.tetrahedra.push_back(
+        {t[0] + 2 * vertices, t[1] + 2 * vertices, t[2] + 2 * vertices, t[3] + 2 * vertices});
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    limbs.weights.joint.push_back(1);
+    limbs.weights.weight.push_back(1.0);
+    limbs.weights.offset.push_back(2 * vertices + v + 1);
+  }
+  const WeldedSurface welded = skin_of(points_within({1.0, 0.5, 0.5}, 20));
+  const BodyMesh on_bar = cage_of(bar, welded);
+  // {the skin's joint, the limb of its home, the limb that it rides on}: the home lacks joint 1, which two
+  // limbs have; no limb has joint 2, so each is as good as the home.
+  for (const auto& [joint, home, limb] : {std::array{1u, 0u, 1u}, {2u, 0u, 0u}, {2u, 1u, 1u}, {2u, 2u, 2u}}) {
+    SCOPED_TRACE(testing::Message() << "joint " << joint << ", home in limb " << home);
+    BodyMesh body = on_bar;
+    body.mesh = limbs.mesh;
+    for (std::uint32_t& number : body.home) number += home * tetrahedra;
+    build::Report report;
+    const RenderMesh render =
+        build::embed_surface(welded.surface, welded, body, limbs.weights, all_on(joint, 20), report);
+    for (std::size_t v = 0; v < 20; ++v)
+      for (const std::uint32_t corner : render.corners[v])
+        EXPECT_EQ(corner / vertices, limb) << "vertex " << v;
+  }
+}
+
 TEST(Embedding, ALittleOutOfTheRightLimbIsBetterThanInsideTheWrongOne) {
   // The second limb begins at x = 0.9; one of its vertices is 0.01 before that, inside the first limb.
   const TwoLimbs limbs = two_limbs({0.9, 0, 0});
