@@ -31,6 +31,20 @@ TEST(Bar, HasSixEqualTetrahedraACell) {
   for (const auto& t : mesh.tetrahedra) EXPECT_NEAR(signed_volume(mesh, t), each, each * 1e-13);
 }
 
+// Cells of a bar are divided along one body diagonal, and each of their faces along one diagonal.
+TEST(Bar, ReportsItsEdges) {
+  scene::Scene scene = bar_scene();
+  scene.geometry = scene::Bar{.size = {0.3, 0.1, 0.1}, .vertices = {4, 2, 2}};
+  build::Report report;
+  build::build_model(scene, report);
+  const double edges = 28, faces = 16, cells = 3;
+  EXPECT_NEAR(report.shortest_edge, 0.1, 1e-15);
+  EXPECT_NEAR(report.longest_edge, 0.1 * std::sqrt(3.0), 1e-15);
+  EXPECT_NEAR(report.mean_edge,
+              0.1 * (edges + faces * std::sqrt(2.0) + cells * std::sqrt(3.0)) / (edges + faces + cells),
+              1e-15);
+}
+
 TEST(Bar, SpansItsSizeExactly) {
   const scene::Bar bar{.size = {0.3, 0.7, 1.1}, .vertices = {7, 4, 12}, .jitter = 0.3};
   const mesh::TetMesh mesh = build::make_bar(bar, "test");
