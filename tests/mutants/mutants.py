@@ -4,7 +4,8 @@ mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into bu
 a random fault, then builds and runs the tests of its room until one fails. Before that, the tests must pass on the
 unchanged sources, or every fault would seem to be found. Prints the surviving faults as a table, or writes it into
 docs/tests.md; living.txt lists those that change no result, and why. --in-place plants in this tree and builds in its
-build/release, for a clone made for this purpose. FASCICLE_SEED repeats a run."""
+build/release, for a clone made for this purpose. FASCICLE_SEED repeats a run; the page keeps what its first run found.
+"""
 
 import argparse
 import glob
@@ -270,7 +271,6 @@ def main():
     # The source is restored, and tests in an endless loop end, also when this ends.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
-    random.seed(seed)
     known = reasons()
     prepare(asked.in_place)
     status, ran = 0, {}
@@ -278,17 +278,22 @@ def main():
         # In memory if possible: tests wait for disks.
         with tempfile.TemporaryDirectory(prefix="fascicle-mutants-", dir=SHARED if os.path.isdir(SHARED) else None,
                                          ignore_cleanup_errors=True) as temporary:
+            random.seed("%d %s" % (seed, room))  # a room's faults do not depend on which others run
             tried = try_room(room, asked.count, temporary)
         living = [["`%s:%d`" % (name, number), *("`%s`" % text.replace("|", "\\|") for text in (line, made)),
                    known.get((name, line, made), UNKNOWN)] for name, number, line, made, found in tried if not found]
         equivalent = sum(row[-1] != UNKNOWN for row in living)
-        ran[room] = {"planted": len(tried), "equivalent": equivalent, "found": len(tried) - len(living),
-                     "living": living, "commit": page.commit()}
+        found = len(tried) - len(living)
+        earlier = page.kept("mutants").get("rooms", {}).get(room, {})
+        is_again = (earlier.get("seed"), earlier.get("planted")) == (seed, len(tried))
+        ran[room] = {"planted": len(tried), "equivalent": equivalent, "found": found,
+                     "first": earlier["first"] if is_again else found, "living": living, "seed": seed,
+                     "commit": page.commit()}
         if asked.write:  # other rooms keep their earlier figures
             page.put("mutants", {"rooms": {**page.kept("mutants").get("rooms", {}), room: ran[room]}})
-        if ran[room]["found"] < LEAST * (len(tried) - equivalent):
+        if found < LEAST * (len(tried) - equivalent):
             print("mutants: %s: %s were found, below %s" % (
-                room, page.share(ran[room]["found"], len(tried) - equivalent), page.share(LEAST, 1)))
+                room, page.share(found, len(tried) - equivalent), page.share(LEAST, 1)))
             status = 1
         for row in living:
             if row[-1] == UNKNOWN:
