@@ -2,10 +2,15 @@
 // by hand.
 #include "host/bake/manifest.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "host/bake/sealed_json.h"
 #include "tests/bake/fake_bakes.h"
+#include "tests/drive/bending_bar.h"
 
 namespace fascicle::tests {
 namespace {
@@ -21,6 +26,27 @@ bake::Timings timings_read_from(const Json& entry) {
   if (!entry.is_null()) manifest["timings"] = entry;
   write_text(folder / "out/manifest.json", bake::sealed_text(manifest, 1));
   return bake::manifest_of(folder / "out").timings;
+}
+
+bool has_name(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+TEST(Manifest, ListsMaterialsAndTexturesForCharactersOnly) {
+  BendingBar bar = bending_bar(0.2);
+  bar.model.surface_vertex = {0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5};
+  bar.model.surface_weight = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  bar.model.surface_triangle = {0, 1, 2};
+  const std::vector<std::string> of_character = bake::file_names(bar.model, {"obj"});
+  const std::vector<std::string> of_body = bake::file_names(two_tetrahedra(), {"obj"});
+  for (const char* name : {"manifest.json", "checkpoint", "model.fascicle", "rest.obj", "frames.fascicle"}) {
+    EXPECT_TRUE(has_name(of_character, name)) << name;
+    EXPECT_TRUE(has_name(of_body, name)) << name;
+  }
+  for (const char* name : {"character.glb", "rest.mtl", "textures/"}) {
+    EXPECT_TRUE(has_name(of_character, name)) << name;
+    EXPECT_FALSE(has_name(of_body, name)) << name;
+  }
 }
 
 TEST(Manifest, TimingsAreReadAsWritten) {
