@@ -8,7 +8,11 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -354,6 +358,66 @@ TEST_F(FilledBodyTest, IsKeptUnderItsClips) {
   EXPECT_EQ(key(), moving);
   clip.channels[0].values[3] = 2.0;
   EXPECT_NE(key(), moving);
+}
+
+// Everything that the filling reads is in the key: with one left out, another body would be taken for this
+// one.
+TEST_F(FilledBodyTest, IsKeptUnderAllThatItIsMadeOf) {
+  welded_.surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  welded_.surface.triangles = {{0, 1, 2}};
+  welded_.of_vertex = {0, 1, 2};
+  welded_.file_vertex = {0, 1, 2};
+  bones_.resize(1);
+  character_.joints.resize(3);
+  character_.weights.resize(3);
+  struct Input {
+    scene::Scene scene;
+    mesh::SurfaceMesh surface;
+    build::WeldedSurface welded;
+    std::vector<build::Bone> bones;
+    rig::Character character;
+    std::string programs = "programs";
+    bool is_character = true;
+  };
+  const Input as_it_is{scene_, surface_, welded_, bones_, character_};
+  const std::vector<std::pair<const char*, std::function<void(Input&)>>> changes{
+      {"the programs", [](Input& in) { in.programs = "others"; }},
+      {"the resolution", [](Input& in) { in.scene.resolution = 0.25; }},
+      {"the cage", [](Input& in) { in.scene.body.cage = scene::Cage::wrap; }},
+      {"the cage's detail", [](Input& in) { in.scene.body.cage_detail *= 2.0; }},
+      {"the number of vertices", [](Input& in) { in.scene.body.vertices = 500; }},
+      {"the thickness", [](Input& in) { in.scene.body.thickness = 0.01; }},
+      {"a vertex", [](Input& in) { in.welded.surface.vertices[2][1] = 1.5; }},
+      {"a triangle of the welded surface",
+       [](Input& in) {
+         in.welded.surface.triangles = {{1, 2, 0}};
+       }},
+      {"where a vertex was welded", [](Input& in) { in.welded.of_vertex[2] = 1; }},
+      {"the numbers in the file", [](Input& in) { in.welded.file_vertex[2] = 7; }},
+      {"a triangle",
+       [](Input& in) {
+         in.surface.triangles = {{1, 2, 0}};
+       }},
+      {"one bone more", [](Input& in) { in.bones.emplace_back(); }},
+      {"the end of a bone", [](Input& in) { in.bones[0].to[2] = 0.5; }},
+      {"the owner of a bone", [](Input& in) { in.bones[0].owners[1] = 1; }},
+      {"no character", [](Input& in) { in.is_character = false; }},
+      {"one joint more", [](Input& in) { in.character.skeleton.emplace_back(); }},
+      {"a joint's parent", [](Input& in) { in.character.skeleton[1].parent = 0; }},
+      {"a vertex's joints", [](Input& in) { in.character.joints[1][3] = 1; }},
+      {"a vertex's weights", [](Input& in) { in.character.weights[1][3] = 0.5; }}};
+  const auto key = [](const Input& in) {
+    const rig::Character* character = in.is_character ? &in.character : nullptr;
+    return build::fill_key({in.scene, in.surface, in.welded, in.bones, character}, in.programs);
+  };
+  std::map<std::string, const char*> of_key{{key(as_it_is), "nothing"}};
+  EXPECT_EQ(key(Input(as_it_is)), key(as_it_is));
+  for (const auto& [what, change] : changes) {
+    Input changed = as_it_is;
+    change(changed);
+    const auto [found, is_new] = of_key.emplace(key(changed), what);
+    EXPECT_TRUE(is_new) << what << " has the key of " << found->second;
+  }
 }
 
 TEST_F(FilledBodyTest, ComesBackWhole) {
