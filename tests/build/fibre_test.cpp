@@ -302,6 +302,33 @@ TEST(FibreConstraints, FollowPaint) {
   EXPECT_GT(others, 20u);
 }
 
+// One direction painted all over, corners of the bar included: each vertex of the skin takes its part in the
+// plane across the sum of its triangles' normals.
+TEST(FibreConstraints, FollowPaintAtEveryVertexOfTheSkin) {
+  const scene::Scene scene = boned_bar();
+  build::Body body = body_of(scene);
+  const std::vector<Vector3d>& at = body.mesh.vertices;
+  body.skin_surface = {at, build::boundary_triangles(body.mesh, "test")};
+  const Vector3d painted = Vector3d(1.0, 0.3, -0.2).normalized();
+  body.painted = {{"_FIBER", 3, {}}};
+  for (std::size_t i = 0; i < at.size(); ++i)
+    body.painted[0].values.insert(body.painted[0].values.end(), painted.begin(), painted.end());
+  std::vector<Vector3d> normal(at.size(), Vector3d::Zero());
+  for (const auto& t : body.skin_surface.triangles)
+    for (const std::uint32_t i : t) normal[i] += (at[t[1]] - at[t[0]]).cross(at[t[2]] - at[t[0]]);
+  build::Measures measures(body);
+  const std::vector<std::uint32_t> layer_of(at.size(), 0u);
+  std::vector<char> follows(at.size(), 0);
+  for (const FibreConstraint& c : build::fibre_constraints(scene, layer_of, 0.02, measures)) {
+    const Vector3d flat =
+        painted - painted.dot(normal[c.vertex]) / normal[c.vertex].squaredNorm() * normal[c.vertex];
+    EXPECT_NEAR(std::abs(c.direction.dot(flat.normalized())), 1.0, 1e-12) << "vertex " << c.vertex;
+    follows[c.vertex] = 1;
+  }
+  for (std::size_t i = 0; i < at.size(); ++i)
+    EXPECT_EQ(follows[i] != 0, normal[i] != Vector3d::Zero()) << "vertex " << i;
+}
+
 TEST(FibreDirections, OfAModelComeFromTheField) {
   build::Report report;
   const model::Model model = build::build_model(boned_bar(), report);
