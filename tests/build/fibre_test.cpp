@@ -173,6 +173,7 @@ TEST(FibreField, IsNothingWhereNothingIsSaid) {
   Mesh mesh = bar_mesh({5, 3, 3}, 0.0);
   const FibreSolution none = solve(mesh, {});
   for (const Vector3d& d : none.direction) EXPECT_EQ(d, Vector3d(Vector3d::Zero()));
+  EXPECT_EQ(none.rounds, 0u) << "nothing is solved";
   // A second bar, disconnected from the first.
   const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, {1, 0, 0});
   const auto count = static_cast<std::uint32_t>(mesh.tets.vertices.size());

@@ -1,9 +1,11 @@
 // The built-in characters, built into models: TetGen accepts their skins (it refuses self-intersecting ones),
 // and each layer has its share.
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "host/scene/scene_file.h"
 #include "tests/build/scenes.h"
 
 namespace fascicle::tests {
@@ -47,6 +49,35 @@ TEST(OnlyWarning, SaysHowLittleIsSimulated) {
   EXPECT_NE(of_hand.find("skeleton.only: only "), std::string::npos) << of_hand;
   EXPECT_NE(of_hand.find("joint above hand"), std::string::npos) << of_hand;
   EXPECT_EQ(said_of("upper_arm"), "");
+}
+
+// The report of a scene with several characters has the sums, extremes and findings of all of them.
+TEST(SeveralCharacters, HaveOneReport) {
+  const auto report_of = [](const std::string& characters) {
+    const std::string layers =
+        "[layers.flesh]\n[layers.bone]\nkinematic = true\nwhere.bone_distance = {maximum = 0.018}\n";
+    build::Report report;
+    build::build_model(scene::parse_scene({"test", "test.toml", characters + layers, {}}, {}), report,
+                       with_mesher());
+    return report;
+  };
+  const std::string arm = "made = \"arm\"\nresolution = 0.02\n";
+  const build::Report one = report_of("[character]\n" + arm);
+  const build::Report two = report_of("[character.a]\n" + arm + "[character.b]\n" + arm + "at = [0, 1, 0]\n");
+  const build::CageReport &of_one = one.fill.cage, &of_two = two.fill.cage;
+  EXPECT_TRUE(of_one.has_skin);
+  EXPECT_TRUE(of_two.has_skin);
+  EXPECT_EQ(of_two.is_cage, of_one.is_cage);
+  EXPECT_NE(of_two.reason.find("a: "), std::string::npos) << of_two.reason;
+  EXPECT_NE(of_two.reason.find("; b: "), std::string::npos) << of_two.reason;
+  // Moved by a metre, coordinates are rounded otherwise, by 2^-53 of about 1.
+  EXPECT_NEAR(of_two.skin_volume, 2.0 * of_one.skin_volume, 1e-12);
+  EXPECT_NEAR(of_two.edges.low, of_one.edges.low, 1e-12);
+  EXPECT_NEAR(of_two.edges.high, of_one.edges.high, 1e-12);
+  EXPECT_NEAR(two.volume, 2.0 * one.volume, 1e-12);
+  EXPECT_EQ(two.vertices, 2 * one.vertices);
+  // Each character's joints are below one that stands for its place.
+  EXPECT_EQ(two.joints.size(), 2 * (one.joints.size() + 1));
 }
 
 // An arm as long as a house: the warning gives its length in metres, whatever the working unit.
