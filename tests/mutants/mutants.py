@@ -1,11 +1,11 @@
 """Mutation testing: plants small faults in the sources, one at a time, and checks that the tests find them.
 
-mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into build/mutants and builds it there. Plants
-a random fault, then builds and runs the tests of its room until one fails. Before that, the tests must pass on the
-unchanged sources, or every fault would seem to be found. Prints the surviving faults as a table, or writes it into
-docs/tests.md; living.txt lists those that change no result, and why. --in-place plants in this tree and builds in its
-build/release, for a clone made for this purpose. FASCICLE_SEED repeats a run; the page keeps what its first run found.
-"""
+mutants.py [ROOM...] [--count N | --again] [--write] [--in-place]: copies the tree into build/mutants and builds it
+there. Plants a random fault, then builds and runs the tests of its room until one fails. Before that, the tests must
+pass on the unchanged sources, or every fault would seem to be found. Prints the surviving faults as a table, or writes
+it into docs/tests.md; living.txt lists those that change no result, and why. --again plants only those that survived
+when the room was last written, after tests were added. --in-place plants in this tree and builds in its build/release,
+for a clone made for this purpose. FASCICLE_SEED repeats a run; the page keeps what its first run found."""
 
 import argparse
 import glob
@@ -219,18 +219,34 @@ def reasons():
     return {tuple(row[:3]): row[3] for row in rows}
 
 
-def try_room(room, count, temporary):
-    """[(file, line number, line, mutated line, test that found it)] of `count` faults that compile."""
-    patterns, tests = ROOMS[room]
-    usual = {}
+def as_row(name, number, line, made):
+    """The fault as the page lists it."""
+    return ["`%s:%d`" % (name, number), *("`%s`" % text.strip().replace("|", "\\|") for text in (line, made))]
+
+
+def listed(room, rows):
+    """[(file, line number, mutated line), line] of these rows of the page."""
+    found = []
+    for name, number, made in places(ROOMS[room][0]):
+        with open(os.path.join(SOURCE, name)) as file:
+            line = file.read().split("\n")[number]
+        if as_row(name, number + 1, line, made) in [row[:3] for row in rows]:
+            found.append(((name, number, made), line))
+    if len(found) != len(rows):
+        fail("%s: %d of %d faults that survived are no longer there; run the room anew" % (
+            room, len(rows) - len(found), len(rows)))
+    return found
+
+
+def try_room(room, choices, count, temporary):
+    """[(file, line number, line, mutated line, test that found it)] of `count` faults of these that compile."""
+    tests, usual = ROOMS[room][1], {}
     try:
         wrong = first_that_fails(tests, temporary, usual)
     except DoesNotBuild:
         fail(room + ": the sources as they are do not build")
     if wrong:
         fail("%s: the sources as they are fail %s" % (room, wrong))
-    choices = places(patterns)
-    random.shuffle(choices)
     tried, lines = [], set()
     for name, number, made in choices:
         if len(tried) == count:
@@ -265,6 +281,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("room", nargs="*", choices=[[], *ROOMS])
     parser.add_argument("--count", type=int, default=40, help="of each room")
+    parser.add_argument("--again", action="store_true", help="only the faults that survived")
     parser.add_argument("--write", action="store_true", help="the rooms' figures into docs/tests.md")
     parser.add_argument("--in-place", action="store_true")
     asked = parser.parse_args()
@@ -275,27 +292,46 @@ def main():
     prepare(asked.in_place)
     status, ran = 0, {}
     for room in asked.room or ROOMS:
+        earlier = page.kept("mutants").get("rooms", {}).get(room)
+        living = []
+        if asked.again:
+            if not earlier:
+                fail(room + ": nothing is known of an earlier run")
+            choices = []
+            for place, line in listed(room, [row for row in earlier["living"] if row[-1] == UNKNOWN]):
+                name, number, made = place
+                reason = known.get((name, line.strip(), made.strip()))
+                if reason:
+                    living.append([*as_row(name, number + 1, line, made), reason])
+                else:
+                    choices.append(place)
+            count = len(choices)
+        else:
+            random.seed("%d %s" % (seed, room))  # a room's faults do not depend on which others run
+            choices, count = places(ROOMS[room][0]), asked.count
+            random.shuffle(choices)
         # In memory if possible: tests wait for disks.
         with tempfile.TemporaryDirectory(prefix="fascicle-mutants-", dir=SHARED if os.path.isdir(SHARED) else None,
                                          ignore_cleanup_errors=True) as temporary:
-            random.seed("%d %s" % (seed, room))  # a room's faults do not depend on which others run
-            tried = try_room(room, asked.count, temporary)
-        living = [["`%s:%d`" % (name, number), *("`%s`" % text.replace("|", "\\|") for text in (line, made)),
-                   known.get((name, line, made), UNKNOWN)] for name, number, line, made, found in tried if not found]
-        equivalent = sum(row[-1] != UNKNOWN for row in living)
-        found = len(tried) - len(living)
-        earlier = page.kept("mutants").get("rooms", {}).get(room, {})
-        is_again = (earlier.get("seed"), earlier.get("planted")) == (seed, len(tried))
-        ran[room] = {"planted": len(tried), "equivalent": equivalent, "found": found,
-                     "first": earlier["first"] if is_again else found, "living": living, "seed": seed,
-                     "commit": page.commit()}
+            tried = try_room(room, choices, count, temporary)
+        living += [[*as_row(name, number, line, made), known.get((name, line, made), UNKNOWN)]
+                   for name, number, line, made, test in tried if not test]
+        one = {"planted": len(tried), "living": living, "seed": seed, "commit": page.commit()}
+        if asked.again:
+            one = {**earlier, "living": [row for row in earlier["living"] if row[-1] != UNKNOWN] + living,
+                   "commit": one["commit"]}
+        one["equivalent"] = sum(row[-1] != UNKNOWN for row in one["living"])
+        one["found"] = one["planted"] - len(one["living"])
+        is_same = earlier and (earlier["seed"], earlier["planted"]) == (one["seed"], one["planted"])
+        one["first"] = earlier["first"] if is_same else one["found"]
+        ran[room] = one
         if asked.write:  # other rooms keep their earlier figures
-            page.put("mutants", {"rooms": {**page.kept("mutants").get("rooms", {}), room: ran[room]}})
-        if found < LEAST * (len(tried) - equivalent):
-            print("mutants: %s: %s were found, below %s" % (
-                room, page.share(found, len(tried) - equivalent), page.share(LEAST, 1)))
+            page.put("mutants", {"rooms": {**page.kept("mutants").get("rooms", {}), room: one}})
+        due = one["planted"] - one["equivalent"]
+        if one["found"] < LEAST * due:
+            print("mutants: %s: %s were found, below %s" % (room, page.share(one["found"], due), page.share(LEAST, 1)))
             status = 1
-        for row in living:
+        for row in one["living"]:
             if row[-1] == UNKNOWN:
                 print("mutants: %s: nobody has said why it lives (living.txt)" % row[0])
                 status = 1
