@@ -32,8 +32,9 @@
 #                         run, write docs/farm-slurm.txt (root, minutes)
 #   ./do reliability [ROW...]   kill, stop and damage bakes and fill their disks a thousand times, bake untrusted files,
 #                         bake under Vulkan's validation layer and Valgrind; write docs/reliability.md (hours)
-#   ./do mutants [ROOM...] [--count N] [--write]   mutation testing: plant small faults one at a time and check that the
-#                         tests find them; --write records the faults that survive in docs/tests.md (hours)
+#   ./do mutants [ROOM...] [--count N | --again] [--write]   mutation testing: plant small faults one at a time and
+#                         check that the tests find them, or only those that survived before; --write records the
+#                         faults that survive in docs/tests.md (hours)
 #   ./do sanitize [PRESET] [--write] [SUITE...]   run suites of tests, such as bake, under the sanitizers of asan or tsan
 #                         and count reports; --write records each suite in docs/tests.md (hours)
 #   ./do coverage [--write] [--missed] [CTEST...]   run the tests and count the lines of the rooms that they cover;
