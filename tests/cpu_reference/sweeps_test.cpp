@@ -233,6 +233,27 @@ TEST(Sweeps, AreLeftOutWhereTheyWouldNotPay) {
   EXPECT_TRUE(cpu_reference::make_sweeps(bar, cpu_reference::make_slices(bar), 2).empty());
 }
 
+// Bars from too short to long enough: where there are sweeps, their tiles cover at least half of all passes.
+TEST(Sweeps, CoverAtLeastHalfOfWhatIsDone) {
+  std::uint32_t left_out = 0, made = 0;
+  for (std::uint32_t x = 40; x <= 600; x += 40) {
+    const Model bar = make_bar({.x = x, .y = 5, .z = 4});
+    const Slices slices = cpu_reference::make_slices(bar);
+    const Sweeps sweeps = cpu_reference::make_sweeps(bar, slices, 20, 0);
+    if (sweeps.empty()) {
+      ++left_out;
+      continue;
+    }
+    ++made;
+    std::uint64_t inside = 0;
+    for (const Parts& tile : sweeps.tiles)
+      for (const Part& part : tile) inside += part.vertices.last - part.vertices.first;
+    EXPECT_GE(2 * inside, std::uint64_t{sweeps.passes()} * slices.count) << x;
+  }
+  EXPECT_GT(left_out, 0u);
+  EXPECT_GT(made, 0u);
+}
+
 // What is between the first and the last pass would not fit in a cache.
 TEST(Sweeps, TakeFewerPassesOfBodiesThatAreThick) {
   const Model thick = make_bar({.x = 8, .y = 120, .z = 60});
