@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
- std::string_view checkpoint_magic = "FASCCKPT";
- std::uint32_t checkpoint_version = 4;
+constexpr std::string_view checkpoint_magic = "FASCCKPT";
+constexpr std::uint32_t checkpoint_version = 4;
 
 // The file in pieces, without copying the arrays: a bake writes many checkpoints of megabytes each.
 class Pieces {
@@ -222,7 +222,7 @@ bool is_checkpoint(const fs::path& path) {
 std::uint64_t checkpoint_bytes(const model::Model& model) {
   // Positions, velocities, rotations; with a skeleton the skinned positions, now and in two frames; for an
   // implicit run the state before the last substep; skinned velocities if some vertex is carried.
-  const std::uint64_t identity = 4096;  // of the built-in scenes: about 2000
+  constexpr std::uint64_t identity = 4096;  // of the built-in scenes: about 2000
   const std::uint64_t floats = (model.has_skeleton() ? 19u : 10u) + (model.is_implicit() ? 6u : 0u);
   return (floats * model.vertex_count + 3 * model.carried.size()) * sizeof(float) + identity;
 }
