@@ -1,5 +1,7 @@
 #include "gpu/check.h"
 
+#include <cstring>
+
 namespace fascicle::gpu {
 namespace {
 
@@ -53,7 +55,9 @@ std::string text_of(VkResult result) {
 
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_NOT_READY || result == VK_INCOMPLETE) return;
-  const std::string text = std::string(call) + ": " + text_of(result);
+  std::string function(call, std::strcspn(call, "("));
+  function.erase(0, function.find_last_of(".:>") + 1);  // find_last_of gives -1 if there is none
+  const std::string text = function + ": " + text_of(result);
   if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
   throw DeviceError(text);
 }

@@ -1,12 +1,13 @@
 // A Vulkan layer with failing calls: FASCICLE_FAULT="K RESULT" makes the Kth call that can fail return the
-// VkResult, counted over the whole process. A lost device stays lost. FASCICLE_FAULT_COUNT names a file that
-// receives the number of such calls.
+// VkResult, counted over the whole process; "FUNCTION RESULT" the first call of this function. A lost device
+// stays lost. FASCICLE_FAULT_COUNT names a file that receives the number of calls counted.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string>
 
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -29,7 +30,10 @@ constexpr std::array names{"vkAllocateCommandBuffers",
                            "vkCreateQueryPool",
                            "vkCreateShaderModule",
                            "vkEndCommandBuffer",
+                           "vkEnumerateDeviceExtensionProperties",
+                           "vkEnumeratePhysicalDevices",
                            "vkGetPipelineCacheData",
+                           "vkGetQueryPoolResults",
                            "vkMapMemory",
                            "vkQueueSubmit",
                            "vkQueueWaitIdle",
@@ -45,15 +49,20 @@ struct Faults {
   VkDevice device = VK_NULL_HANDLE;
   PFN_vkDeviceWaitIdle wait_idle = nullptr;
   std::array<PFN_vkVoidFunction, names.size()> real{};
+  std::string only;  // if not empty, only calls of this function count
   long failing = 0, calls = 0;
   VkResult result = VK_SUCCESS;
   bool is_lost = false;
 
   Faults() {
     const char* text = std::getenv("FASCICLE_FAULT");
+    std::string which;
     int value = 0;
-    if (text != nullptr && std::istringstream(text) >> failing >> value)
-      result = static_cast<VkResult>(value);
+    if (text == nullptr || !(std::istringstream(text) >> which >> value)) return;
+    result = static_cast<VkResult>(value);
+    const bool is_named = which.starts_with("vk");
+    if (is_named) only = which;
+    failing = is_named ? 1 : std::atol(which.c_str());
   }
 };
 
@@ -62,9 +71,10 @@ Faults& faults() {
   return one;
 }
 
-VkResult next_result() {
+VkResult next_result(const char* name) {
   Faults& all = faults();
-  if (++all.calls == all.failing) {
+  const bool counts = all.only.empty() || all.only == name;
+  if (counts && ++all.calls == all.failing) {
     all.is_lost = all.result == VK_ERROR_DEVICE_LOST;
     // A lost device has no work in flight.
     if (all.is_lost && all.wait_idle != nullptr) all.wait_idle(all.device);
@@ -78,7 +88,7 @@ struct Failing;
 template <std::size_t Index, class... Arguments>
 struct Failing<Index, VkResult (*)(Arguments...)> {
   static VkResult call(Arguments... arguments) {
-    if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
+    if (const VkResult result = next_result(names[Index]); result != VK_SUCCESS) return result;
     return reinterpret_cast<VkResult (*)(Arguments...)>(faults().real[Index])(arguments...);
   }
 };
@@ -88,20 +98,41 @@ PFN_vkVoidFunction failing() {
   return reinterpret_cast<PFN_vkVoidFunction>(&Failing<Index, Function>::call);
 }
 
-PFN_vkVoidFunction failing_named(std::size_t index) {
+bool is_of_instance(const char* name) {
+  return std::strncmp(name, "vkEnumerate", 11) == 0;
+}
+
+// Null if calls of this name do not fail.
+PFN_vkVoidFunction failing_named(const char* name) {
   static const std::array<PFN_vkVoidFunction, names.size()> all{
-      failing<0, PFN_vkAllocateCommandBuffers>(), failing<1, PFN_vkAllocateDescriptorSets>(),
-      failing<2, PFN_vkAllocateMemory>(),         failing<3, PFN_vkBeginCommandBuffer>(),
-      failing<4, PFN_vkBindBufferMemory>(),       failing<5, PFN_vkCreateBuffer>(),
-      failing<6, PFN_vkCreateCommandPool>(),      failing<7, PFN_vkCreateComputePipelines>(),
-      failing<8, PFN_vkCreateDescriptorPool>(),   failing<9, PFN_vkCreateDescriptorSetLayout>(),
-      failing<10, PFN_vkCreateFence>(),           failing<11, PFN_vkCreatePipelineCache>(),
-      failing<12, PFN_vkCreatePipelineLayout>(),  failing<13, PFN_vkCreateQueryPool>(),
-      failing<14, PFN_vkCreateShaderModule>(),    failing<15, PFN_vkEndCommandBuffer>(),
-      failing<16, PFN_vkGetPipelineCacheData>(),  failing<17, PFN_vkMapMemory>(),
-      failing<18, PFN_vkQueueSubmit>(),           failing<19, PFN_vkQueueWaitIdle>(),
-      failing<20, PFN_vkResetFences>(),           failing<21, PFN_vkWaitForFences>()};
-  return all.at(index);
+      failing<0, PFN_vkAllocateCommandBuffers>(),
+      failing<1, PFN_vkAllocateDescriptorSets>(),
+      failing<2, PFN_vkAllocateMemory>(),
+      failing<3, PFN_vkBeginCommandBuffer>(),
+      failing<4, PFN_vkBindBufferMemory>(),
+      failing<5, PFN_vkCreateBuffer>(),
+      failing<6, PFN_vkCreateCommandPool>(),
+      failing<7, PFN_vkCreateComputePipelines>(),
+      failing<8, PFN_vkCreateDescriptorPool>(),
+      failing<9, PFN_vkCreateDescriptorSetLayout>(),
+      failing<10, PFN_vkCreateFence>(),
+      failing<11, PFN_vkCreatePipelineCache>(),
+      failing<12, PFN_vkCreatePipelineLayout>(),
+      failing<13, PFN_vkCreateQueryPool>(),
+      failing<14, PFN_vkCreateShaderModule>(),
+      failing<15, PFN_vkEndCommandBuffer>(),
+      failing<16, PFN_vkEnumerateDeviceExtensionProperties>(),
+      failing<17, PFN_vkEnumeratePhysicalDevices>(),
+      failing<18, PFN_vkGetPipelineCacheData>(),
+      failing<19, PFN_vkGetQueryPoolResults>(),
+      failing<20, PFN_vkMapMemory>(),
+      failing<21, PFN_vkQueueSubmit>(),
+      failing<22, PFN_vkQueueWaitIdle>(),
+      failing<23, PFN_vkResetFences>(),
+      failing<24, PFN_vkWaitForFences>()};
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const char* known) { return std::strcmp(known, name) == 0; });
+  return found == names.end() ? nullptr : all.at(static_cast<std::size_t>(found - names.begin()));
 }
 
 template <class Link, class Info>
@@ -114,6 +145,7 @@ Link* link_of(const Info* info, VkStructureType type) {
 
 VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocation,
                          VkInstance* instance) {
+  if (const VkResult result = next_result("vkCreateInstance"); result != VK_SUCCESS) return result;
   auto* link = link_of<VkLayerInstanceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
   if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
   faults().of_instance = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
@@ -121,9 +153,11 @@ VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCal
   const auto create =
       reinterpret_cast<PFN_vkCreateInstance>(faults().of_instance(nullptr, "vkCreateInstance"));
   const VkResult result = create(info, allocation, instance);
-  if (result == VK_SUCCESS)
-    faults().destroy_instance =
-        reinterpret_cast<PFN_vkDestroyInstance>(faults().of_instance(*instance, "vkDestroyInstance"));
+  if (result != VK_SUCCESS) return result;
+  faults().destroy_instance =
+      reinterpret_cast<PFN_vkDestroyInstance>(faults().of_instance(*instance, "vkDestroyInstance"));
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (is_of_instance(names[k])) faults().real[k] = faults().of_instance(*instance, names[k]);
   return result;
 }
 
@@ -135,7 +169,7 @@ void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocati
 VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                        const VkAllocationCallbacks* allocation, VkDevice* device) {
   faults().wait_idle = nullptr;  // one device at a time: the previous one is gone
-  if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
+  if (const VkResult result = next_result("vkCreateDevice"); result != VK_SUCCESS) return result;
   auto* link = link_of<VkLayerDeviceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
   const PFN_vkGetInstanceProcAddr of_instance = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
@@ -147,7 +181,8 @@ VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info
   faults().device = *device;
   faults().wait_idle =
       reinterpret_cast<PFN_vkDeviceWaitIdle>(faults().of_device(*device, "vkDeviceWaitIdle"));
-  for (std::size_t k = 0; k < names.size(); ++k) faults().real[k] = faults().of_device(*device, names[k]);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (!is_of_instance(names[k])) faults().real[k] = faults().of_device(*device, names[k]);
   return result;
 }
 
@@ -155,9 +190,7 @@ extern "C" {
 
 __attribute__((visibility("default"))) PFN_vkVoidFunction faults_of_device(VkDevice device,
                                                                            const char* name) {
-  const auto found = std::find_if(names.begin(), names.end(),
-                                  [&](const char* known) { return std::strcmp(known, name) == 0; });
-  if (found != names.end()) return failing_named(static_cast<std::size_t>(found - names.begin()));
+  if (const PFN_vkVoidFunction found = failing_named(name)) return found;
   if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
     return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_device);
   return faults().of_device(device, name);
@@ -174,6 +207,8 @@ __attribute__((visibility("default"))) PFN_vkVoidFunction faults_of_instance(VkI
     return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_device);
   if (std::strcmp(name, "vkGetInstanceProcAddr") == 0)
     return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_instance);
+  if (is_of_instance(name))
+    if (const PFN_vkVoidFunction found = failing_named(name)) return found;
   return faults().of_instance == nullptr ? nullptr : faults().of_instance(instance, name);
 }
 

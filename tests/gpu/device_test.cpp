@@ -32,10 +32,10 @@ TEST(Check, ThrowsTheCallsText) {
   EXPECT_NO_THROW(gpu::check(VK_INCOMPLETE, "vkSomething()"));
   EXPECT_THROW(gpu::check(VK_TIMEOUT, "vkSomething()"), gpu::DeviceError);
   try {
-    gpu::check(VK_ERROR_DEVICE_LOST, "vkSomething(queue)");
+    gpu::check(VK_ERROR_DEVICE_LOST, "device.call.vkSomething(queue)");
     FAIL();
   } catch (const gpu::DeviceError& error) {
-    EXPECT_STREQ(error.what(), "vkSomething(queue): VK_ERROR_DEVICE_LOST");
+    EXPECT_STREQ(error.what(), "vkSomething: VK_ERROR_DEVICE_LOST");
   }
 }
 

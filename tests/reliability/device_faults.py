@@ -10,6 +10,7 @@ NO_DEVICE, DEVICE_FAILED = 4, 7
 RESULTS = ((-4, "VK_ERROR_DEVICE_LOST"), (-2, "VK_ERROR_OUT_OF_DEVICE_MEMORY"), (-1, "VK_ERROR_OUT_OF_HOST_MEMORY"),
            (-3, "VK_ERROR_INITIALIZATION_FAILED"), (2, "VK_TIMEOUT"))
 SETTING_UP = 200  # calls, roughly
+OPENING = 4  # calls that make the instance and look for devices
 
 
 def with_layer(call, result, **more):
@@ -79,8 +80,8 @@ def device_faults(bakes, count):
     for k in range(count):
         which = 1 if k % 20 == 19 else 0  # the character's bake takes ten times as long
         bake = chosen[which]
-        # Every other call is one of those that set up the device.
-        call = random.randint(1, calls[which] - 1 if k % 2 else SETTING_UP)
+        # Every other call is one of those that set up the device, and some of these come before there is one.
+        call = random.randint(1, calls[which] - 1 if k % 2 else SETTING_UP if k % 10 else OPENING)
         result, name = RESULTS[k // 2 % len(RESULTS)]
         folder = bake.empty_folder()
         environment = with_layer(call, result)

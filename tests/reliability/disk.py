@@ -314,4 +314,4 @@ def disk_fails(bakes, count):
            "were set after the last call of their run; %d tmpfs were full%s; %d limits were hit; all were resumed to " \
            "the same bytes"
     return text % (count, sum(failed.values()), ", ".join("%s %d" % pair for pair in failed.items()), beyond, tmpfs,
-                   "" if is_mountable else " (NOT TRIED: no tmpfs can be mounted here)", limits)
+                   "" if is_mountable else " (NOT TESTED: no tmpfs can be mounted here)", limits)

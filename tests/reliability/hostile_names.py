@@ -2,6 +2,7 @@
 
 import json
 import os
+import random
 import re
 import shutil
 import struct
@@ -86,6 +87,11 @@ def hold_no_strays(found, folders):
     hold(not strays, "files outside the folder: " + ", ".join(sorted(strays)))
 
 
+def ogawa(child):
+    """An Alembic file of a group at byte 16 with this child, and of empty data at byte 32."""
+    return b"Ogawa\xff\0\1" + struct.pack("<4Q", 16, 1, child, 0)
+
+
 def controls_of_names(root):
     """Controls: files and messages of a program that does not escape names."""
     must_be_found(lambda: hold_harmless("a\x1b[2J"), "an escape sequence")
@@ -98,6 +104,8 @@ def controls_of_names(root):
             ("a.usda", b'#usda 1.0\nstring a = "\\""\n', b'#usda 1.0\nstring a = "a"b"\n'),
             ("a.pc2", b"POINTCACHE2\0" + struct.pack("<2i2fi3f", 1, 1, 0, 1, 1, 0, 0, 0), b"POINTCACHE2\0" + bytes(20)),
             ("a.mdd", struct.pack(">2i4f", 1, 1, 0, 0, 0, 0), struct.pack(">2i", 1, 1)),
+            ("a.csv", b"frame,x\n0,1.5e-3\n", b"frame,x,y\n0,1.5e-3\n"), ("a.csv", b"a\n1\n", b"a\nb\n"),
+            ("a.abc", ogawa(1 << 63 | 32), ogawa(1 << 63 | 40)), ("a.abc", ogawa(0), ogawa(16)),
             ("a.json", b"{}", b"{"), ("a.vtu", b"<VTKFile a='b'/>", b"<VTKFile a='<'/>"),
             ("a.html", b"&lt;script>", b"<script>escaped()"), ("a.py", b"a = 'escaped()'\n", b"a = ''+escaped()+''\n"),
             ("a.py", b"a = 1\n", b"a = '\n"), ("a.sbatch", b"list='$(escaped)'\n", b"list=\"$(escaped)\"\n"),
@@ -155,8 +163,9 @@ def names(bakes, count):
     controls_of_names(controls_root)
     shutil.rmtree(controls_root)
     baked = parsed = 0
+    in_order = random.sample(NAMES, len(NAMES))  # a few of them need not be always the same
     for k in range(count):
-        name, turn = NAMES[k // 2 % len(NAMES)], k % 2
+        name, turn = in_order[k // 2 % len(NAMES)], k % 2
         outer = bakes[0].empty_folder()
         root = os.path.join(outer, "a", "b")
         os.makedirs(root)

@@ -225,7 +225,8 @@ def parameters(bakes, count):
     taken 200 solver steps. A fifth also bakes on the Vulkan device, where there is one. A bake either writes finite
     positions, with the same bits on both devices; or ends with 5 and says that positions burst; or is refused with one
     message that names a key that was changed, or one in its table that conflicts with it. A bake that would take hours
-    says that it is at work, and a signal ends it."""
+    says that it is at work, and a signal ends it. Left as they are: keys that name files, places, joints or layers, and
+    those that set the number of vertices (`load` has many)."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment(TMPDIR=root)
     schema = json.loads(subprocess.run([PROGRAM, "schema"], capture_output=True, text=True, check=True).stdout)

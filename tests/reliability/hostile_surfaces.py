@@ -207,10 +207,12 @@ def surfaces(bakes, count):
     _, _, taken = measured([sys.executable, "-c", greedy], environment, root)
     hold(taken > 300 << 20, "the memory of a grandchild is not counted")
 
+    kinds = random.sample(SURFACES, len(SURFACES))  # a few of them need not be always the same
+
     def drawn():
         for k in range(count):
             # The first surface of each format is valid: it would expose a program that refuses everything.
-            kind = SURFACES[k // len(FORMATS) % len(SURFACES)] if k >= len(FORMATS) else good
+            kind = kinds[k // len(FORMATS) % len(kinds)] if k >= len(FORMATS) else good
             surface = kind(*sphere(random.randint(2, 9)))
             if k >= len(FORMATS) and random.random() < 0.2:
                 surface = random.choice(SURFACES)(*surface) if surface[1] else surface

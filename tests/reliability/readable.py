@@ -1,6 +1,7 @@
 """Checks that each output file is well-formed in its format, and that names in pages and scripts cannot become code."""
 
 import ast
+import csv
 import json
 import os
 import re
@@ -78,7 +79,32 @@ def vtk(content, path):
 
 
 def abc(content, path):
-    hold(content.startswith(b"Ogawa\xff"), path + ": not a complete Alembic file")
+    """An Ogawa tree: every group and every piece of data lies within the file, and no group contains itself."""
+    hold(content.startswith(b"Ogawa\xff\0\1"), path + ": not a complete Alembic file")
+
+    def number(at):
+        hold(at + 8 <= len(content), "%s: offset %d passes the end" % (path, at))
+        return struct.unpack_from("<Q", content, at)[0]
+
+    def walk(at, above):
+        if at & 1 << 63:
+            at &= (1 << 63) - 1
+            hold(at == 0 or at + 8 + number(at) <= len(content), "%s: data at %d pass the end" % (path, at))
+        elif at:
+            hold(at not in above, "%s: the group at %d contains itself" % (path, at))
+            for child in range(number(at)):
+                walk(number(at + 8 + 8 * child), (*above, at))
+
+    hold(number(8) != 0, path + ": an empty Alembic file")
+    walk(number(8), ())
+
+
+def comma_separated(content, path):
+    rows = list(csv.reader(content.decode().splitlines()))
+    hold(rows and len(set(map(len, rows))) == 1, path + ": rows of different lengths")
+    for row in rows[1:]:
+        hold(all(is_number(cell) for cell, column in zip(row, rows[0]) if column != "worst_joint"),
+             "%s: not a row of numbers: %s" % (path, row))
 
 
 def html(content, path):
@@ -107,15 +133,19 @@ def as_json(content, path):
     json.loads(content)
 
 
-READERS = {".obj": obj, ".mtl": mtl, ".usda": usda, ".pc2": pc2, ".mdd": mdd, ".glb": glb, ".vtu": vtk, ".vtp": vtk,
+# Our own formats, which `fascicle verify` reads, and textures, which are copied from the character.
+UNREAD = (".fascicle", ".entry", ".png", "")
+READERS = {".csv": comma_separated, ".obj": obj, ".mtl": mtl, ".usda": usda, ".pc2": pc2, ".mdd": mdd, ".glb": glb, ".vtu": vtk, ".vtp": vtk,
            ".pvd": vtk, ".abc": abc, ".html": html, ".py": py, ".sh": sh, ".sbatch": sh, ".json": as_json}
 
 
 def hold_readable(path):
-    """Checks a file; returns whether there is a reader for its extension."""
-    read = READERS.get(os.path.splitext(path)[1])
-    if read is None:
+    """Checks a file; returns False if its extension is one of UNREAD."""
+    extension = os.path.splitext(path)[1]
+    if extension in UNREAD:
         return False
+    hold(extension in READERS, path + ": nothing reads files of this kind")
+    read = READERS[extension]
     with open(path, "rb") as file:
         content = file.read()
     try:

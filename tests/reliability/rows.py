@@ -38,31 +38,38 @@ def in_turns(bakes, count):
 
 
 def resumed(bakes, count):
-    """A bake is resumed from a random frame, with another end, more formats, another number of threads and another CPU
-    level."""
+    """A bake of a bar, or every tenth time of a character, is resumed from a random frame, with another end, other
+    formats, another number of threads and another device: a CPU level or, where there is one, Vulkan."""
     control_of_files(bakes)
-    bake = bakes[0]
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
     found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
     hold(found, "the CPU lists no levels")
-    levels = ["cpu:" + level for level in found.group(1).split(", ")]
-    frames = len(bake.hashes) - 1
-    end = float(bake.arguments[bake.arguments.index("--end") + 1])
+    every_device = ["cpu:" + level for level in found.group(1).split(", ")]
+    if "vulkan:0" in devices:
+        every_device += ["vulkan:0"] * len(every_device)
+    of_vulkan = 0
     for k in range(count):
+        bake = bakes[1 if k % 10 == 9 else 0]
+        layer = "body" if bake is bakes[0] else "fat"
+        frames = len(bake.hashes) - 1
+        end = float(bake.arguments[bake.arguments.index("--end") + 1])
         folder = bake.empty_folder()
         at = random.randint(1, frames - 1)
-        first = list(bake.arguments)
+        first, formats = list(bake.arguments), bake.arguments.index("--format") + 1
         first[first.index("--end") + 1] = repr(end * at / frames)
-        first[first.index("pc2,obj")] = random.choice(("pc2", "obj", "pc2,obj"))
-        command = [PROGRAM, "bake", *first, "--device", random.choice(levels), "--threads", "1", "-o", folder]
+        first[formats] = ",".join(random.sample(all_of := first[formats].split(","), random.randint(1, len(all_of))))
+        before, after = random.choice(every_device), random.choice(every_device)
+        of_vulkan += before != after and "vulkan:0" in (before, after)
+        command = [PROGRAM, "bake", *first, "--device", before, "--threads", "1", "-o", folder]
         done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
         hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
-        refused = bake.run(folder, "--resume", "--set", "layers.body.alpha=0.9")
-        hold(refused.returncode == BAD_INPUT and "the key layers.body.alpha was" in refused.stderr,
+        refused = bake.run(folder, "--resume", "--set", "layers.%s.alpha=0.9" % layer)
+        hold(refused.returncode == BAD_INPUT and "the key layers.%s.alpha was" % layer in refused.stderr,
              "%s: a changed stiffness was not refused: %s" % (folder, refused.stderr))
-        bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
+        bake.resume(folder, "--device", after, "--threads", str(1 + k % 3))
         shutil.rmtree(folder)
-    return "%d of %d have the bytes of an uninterrupted bake; a changed stiffness is refused by name" % (count, count)
+    return "%d of %d have the bytes of an uninterrupted bake, %d of them moved from the CPU to Vulkan or back; a " \
+           "changed stiffness is refused by name" % (count, count, of_vulkan)
 
 
 def processes_in(folder):
@@ -158,6 +165,11 @@ def damages(content, count):
         yield flipped(random.randrange(size), random.randrange(8))
 
 
+def content_of(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
 def same_json(one, other):
     """Compares the values: a flipped bit may turn the `e` of an exponent into an `E`."""
     try:
@@ -186,7 +198,7 @@ def damage(path, count, check):
 def damaged(bakes, count):
     """One bit of one of our own files is flipped (in each of the first 128 bytes, then at random), or the file is cut
     off at a multiple of 4 KiB. `fascicle verify` must detect it in the files of a bake, and `fascicle batch status` in
-    those of a batch. A bake must never use a damaged cache entry: it builds the body anew."""
+    those of a batch. A bake must never use a damaged cache entry: it builds the body anew and replaces the entry."""
     bake, kept = bakes[0], a_kept_body()
     kept.prepare(bake.root)
     folder = bake.empty_folder()
@@ -226,18 +238,34 @@ def damaged(bakes, count):
     found["batch.json"] = damage(os.path.join(batch, "batch.json"), count // 5,
                                  lambda what, _: ended(["batch", "status", batch], BAD_INPUT, "batch.json", what))
 
-    def rebuilt(what, _, *changed):
+    entries = [os.path.join(kept.cache, name) for name in sorted(os.listdir(kept.cache)) if name.endswith(".entry")]
+    whole = {entry: content_of(entry) for entry in entries}
+    hold(len(entries) == 3, "the cache keeps not a body, a model and a start, but %d entries" % len(entries))
+
+    def rebuilt(what, *changed):
         out = kept.empty_folder()
         done = kept.run(out, *changed)
         hold(done.returncode == DONE, "%s: %s" % (what, done.stderr))
         kept.hold_whole(out)
         shutil.rmtree(out)
 
-    must_be_found(lambda: rebuilt("another body", None, "--set", "character.resolution=0.13"), "a different body")
-    for name in sorted(os.listdir(kept.cache)):
-        if name.endswith(".entry"):
-            what = damage(os.path.join(kept.cache, name), max(1, count // 40), rebuilt)
-            found["kept entries"] = found.get("kept entries", 0) + what
+    def replaced(what, entry):
+        """The bake has the right bytes, and another entry in place of this one."""
+        for other in entries:  # a kept model hides the kept body that it was made of
+            if other != entry and os.path.exists(other):
+                os.remove(other)
+        before = content_of(entry)
+        rebuilt(what)
+        hold(os.path.exists(entry), what + ": no entry was kept")
+        hold(content_of(entry) != before, "%s: the entry is still there" % what)
+
+    must_be_found(lambda: rebuilt("another body", "--set", "character.resolution=0.13"), "a different body")
+    for entry in entries:
+        with open(entry, "wb") as file:
+            file.write(whole[entry])
+        must_be_found(lambda entry=entry: replaced("no damage", entry), "an entry that is used")
+        what = damage(entry, max(1, count // 40), lambda what, _, entry=entry: replaced(what, entry))
+        found["kept entries"] = found.get("kept entries", 0) + what
     return "%d of %d damages detected: %s" % (sum(found.values()), sum(found.values()),
                                            ", ".join("%s %d" % pair for pair in found.items()))
 

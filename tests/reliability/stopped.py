@@ -24,6 +24,7 @@ SLOW = ["bar-hang-none", "--set", "bar.vertices=[60,50,50]", "--set", "solver.su
         "--device", "cpu", "--threads", "1"]
 IGNORANT = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(30)"
 TWICE = 4  # one bake in this many gets two signals
+PHASES_AT_WORK = PHASES[:-1]  # a bake has no export
 
 
 def ended_within(process, seconds):
@@ -50,6 +51,13 @@ def hold_near(checkpoint, last_written, folder):
     hold(checkpoint is not None and last_written <= checkpoint <= last_written + MOST_AHEAD,
          "%s: frame %d was written at the signal, but the checkpoint is at %s" % (folder, last_written, checkpoint))
     return checkpoint - last_written
+
+
+def hold_stopped(bake, status, phase, written):
+    """One signal ends a bake with 75, unless all of its frames were in progress or written."""
+    is_late = phase == PHASES_AT_WORK[-1] or written + MOST_AHEAD >= len(bake.hashes)
+    hold(status == INTERRUPTED or status == DONE and is_late,
+         "%s: signalled at frame %d (%s), but it exited with %d" % (bake.name, written, phase, status))
 
 
 def signalled(bake, number, is_twice, frames_late=0):
@@ -79,6 +87,8 @@ def signalled(bake, number, is_twice, frames_late=0):
     wanted = (DONE, INTERRUPTED, -number) if is_twice else (DONE, INTERRUPTED)
     hold(process.returncode in wanted,
          "%s: after signal %d it exited with %d: %s" % (folder, number, process.returncode, text))
+    if not is_twice:
+        hold_stopped(bake, process.returncode, phase, written)
     ahead = None
     if process.returncode == INTERRUPTED and written > 0:
         said = manifest(folder)["status"]
@@ -98,6 +108,16 @@ def control_of_signals(bake):
         signalled(bake, signal.SIGTERM, False, frames_late=MOST_AHEAD + 20)
 
     must_be_found(late, "a bake that continues for twenty frames")
+
+    def deaf():
+        folder = bake.empty_folder()
+        process = bake.start_listening(folder)
+        text = ended_within(process, PATIENCE)
+        hold(process.returncode == DONE, text)
+        shutil.rmtree(folder)
+        hold_stopped(bake, process.returncode, PHASES_AT_WORK[0], 0)
+
+    must_be_found(deaf, "a bake that ends as if no signal had come")
 
 
 def processor_seconds(process):
@@ -223,7 +243,7 @@ def stopped(bakes, count):
     control_of_going_on(bakes)
     control_of_signals(bakes[0])
     signals = (signal.SIGTERM, signal.SIGINT)
-    phases, ended, twice, ahead, went_on = dict.fromkeys(PHASES[:-1], 0), dict.fromkeys(signals, 0), 0, [], 0
+    phases, ended, twice, ahead, went_on = dict.fromkeys(PHASES_AT_WORK, 0), dict.fromkeys(signals, 0), 0, [], 0
     for k in range(count):
         bake = bakes[k % len(bakes)]
         number = signals[k // 2 % 2]

@@ -89,6 +89,8 @@ def main():
             print("%5d of %5d lines never ran: %s" % (total - covered, total, name))
     if asked.write:
         page.put("coverage", figures)
+    if ran and ran["failures"]:
+        sys.exit("coverage: %d tests failed" % ran["failures"])
     if run < LEAST * lines:
         sys.exit("coverage: %s of the lines, below %s" % (page.share(run, lines), page.share(LEAST, 1)))
 
