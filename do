@@ -41,8 +41,9 @@
 #                         --write records them in docs/tests.md, --missed lists files (an hour)
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   fuzz the file readers with libFuzzer, a minute
 #                         each; --write writes docs/fuzzing.md
-#   ./do soak [SHARE]     do all the long runs of which CI has a short form, or a share of them: exactness, reliability,
-#                         fuzzing, sanitizers, coverage, mutants; update their pages (days; with 0.01: hours)
+#   ./do soak [SHARE]     do all the long runs and update their pages: exactness, reliability, fuzzing, sanitizers,
+#                         coverage, mutants, double builds (days); with a share such as 0.01, that share of the
+#                         reliability runs, fuzzed files and mutants (most of a day)
 set -eu
 cd "$(dirname "$0")"
 
@@ -403,11 +404,14 @@ do: soak: failed, or took more than 24 hours: $*"; }
     share=${1:-1}
     step tests/soak.sh build/release
     step ./do reliability --share "$share" --write
-    step ./do fuzz --runs "$(counted 10000000)" --write
+    for target in $(python3 -B tests/fuzz/fuzz.py --list); do
+      step ./do fuzz "$target" --runs "$(counted 10000000)" --write
+    done
     step ./do sanitize asan --write
     step ./do sanitize tsan --write
     step ./do coverage --write
     step ./do mutants --count "$(counted 40)" --write
+    step ./do reproducible
     [ -z "$failed" ] || { echo "$failed" >&2; exit 1; }
     ;;
   *)

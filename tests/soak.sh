@@ -4,9 +4,9 @@ set -eu
 build=$1
 # 20,000 random bodies per property; CI runs 100.
 RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
-# Damaged meshes, scenes and characters, 20 times each.
-for room in mesh gltf scene; do
-  "$build/test_$room" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
+# Damaged meshes, scenes and FBX and Collada files, with 20 seeds each.
+for test in test_mesh:MeshFile.SurvivesDamage test_scene:'SceneFuzz.*' test_convert:'FromBlender.*damaged*'; do
+  "$build/${test%%:*}" --gtest_filter="${test#*:}" --gtest_shuffle --gtest_random_seed=1 --gtest_repeat=20
 done
 # Characters that CI skips.
 "$build/test_flesh" --gtest_filter='*Soak.*'

@@ -3,10 +3,16 @@
 #include "host/bake/manifest.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include "host/bake/sealed_json.h"
 #include "tests/bake/fake_bakes.h"
@@ -28,6 +34,34 @@ bake::Timings timings_read_from(const Json& entry) {
   return bake::manifest_of(folder / "out").timings;
 }
 
+// Counts the files that get a name in a folder while it lives.
+class Arrivals {
+ public:
+  explicit Arrivals(const std::filesystem::path& folder) : queue_(inotify_init1(IN_NONBLOCK)) {
+    EXPECT_GE(inotify_add_watch(queue_, folder.c_str(), IN_MOVED_TO), 0) << std::strerror(errno);
+  }
+  ~Arrivals() { close(queue_); }
+  Arrivals(const Arrivals&) = delete;
+  Arrivals& operator=(const Arrivals&) = delete;
+
+  // Since the last call.
+  std::size_t of(const std::string& name) const {
+    std::size_t count = 0;
+    alignas(inotify_event) std::array<char, 65536> events;
+    for (ssize_t size = 0; (size = read(queue_, events.data(), events.size())) > 0;)
+      for (ssize_t at = 0; at < size;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
+        EXPECT_EQ(event->mask & IN_Q_OVERFLOW, 0u);
+        count += event->len > 0 && event->name == name ? 1 : 0;
+        at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
+      }
+    return count;
+  }
+
+ private:
+  int queue_;
+};
+
 bool has_name(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -47,6 +81,35 @@ TEST(Manifest, ListsMaterialsAndTexturesForCharactersOnly) {
     EXPECT_TRUE(has_name(of_character, name)) << name;
     EXPECT_FALSE(has_name(of_body, name)) << name;
   }
+}
+
+// It has a line for each frame: written at every checkpoint, it would take the square of the frames in bytes.
+TEST(Manifest, IsWrittenLessOftenAsItGrows) {
+  constexpr int frames = 200;
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "out");
+  const Arrivals arrivals(folder / "out");
+  BakeOptions options = options_for(folder / "out");
+  options.checkpoint_frames = 1;
+  fake_bake_into(options, short_scene(frames));
+  const auto written = static_cast<double>(arrivals.of("manifest.json"));
+  // Each time after it has grown by a 64th, at first after each frame; and at the start and the end.
+  EXPECT_LE(written, 64 + std::log(frames / 64.0) / std::log1p(1.0 / 64.0) + 4);
+  // A bake that is killed loses no more than that.
+  EXPECT_GE(written, 64);
+}
+
+// Control: files that arrive are counted.
+TEST(Manifest, ArrivalsAreCounted) {
+  const TemporaryFolder folder;
+  const Arrivals arrivals(folder / ".");
+  // By turns, as the manifest and the checkpoint: the kernel joins equal events.
+  for (const char* name : {"a", "b", "a", "b", "a", "b"}) {
+    write_text(folder / "tmp", name);
+    std::filesystem::rename(folder / "tmp", folder / name);
+  }
+  EXPECT_EQ(arrivals.of("a"), 3u);
+  EXPECT_EQ(arrivals.of("a"), 0u);
 }
 
 TEST(Manifest, TimingsAreReadAsWritten) {

@@ -547,6 +547,36 @@ TEST(Cage, ASheetIsToldAsAFaultOfTheSurface) {
   }
 }
 
+// A ball squeezed into a point or onto a line has no area, one squeezed onto a plane no volume. The mesher
+// once crashed on each of them.
+TEST(Cage, ASurfaceWithoutAreaOrVolumeIsRefusedWithItsReason) {
+  const SurfaceMesh whole = ball(0.3, 12);
+  for (const Vector3d& kept : {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(1, 1, 0)}) {
+    SurfaceMesh squeezed = whole;
+    for (Vector3d& p : squeezed.vertices) p = p.cwiseProduct(kept);
+    for (const scene::Cage cage : {scene::Cage::off, scene::Cage::wrap, scene::Cage::automatic}) {
+      SCOPED_TRACE(std::to_string(kept.sum()) + " dimensions, cage " +
+                   std::to_string(static_cast<int>(cage)));
+      scene::Scene scene = scene_of(squeezed, cage);
+      scene.body.vertices = 500;
+      scene.body.cage_detail = 30.0;
+      try {
+        const Filled filled = fill(scene);
+        // A wrap around a sheet is a thin body.
+        EXPECT_EQ(kept.sum(), 2.0);
+        EXPECT_NE(cage, scene::Cage::off);
+        for (const auto& t : filled.body.mesh.tetrahedra)
+          ASSERT_GT(build::signed_volume(filled.body.mesh, t), 0.0);
+      } catch (const scene::SceneError& error) {
+        const std::string text = error.what();
+        EXPECT_EQ(text.find("crashed"), std::string::npos) << text;
+        EXPECT_NE(text.find(kept.sum() < 2.0 ? "every triangle" : "surface"), std::string::npos) << text;
+        EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+      }
+    }
+  }
+}
+
 TEST(Cage, TetrahedraWithoutVolumeAreFound) {
   TetMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.3, 1e-14}, {0.3, 0.3, 1e-9}};

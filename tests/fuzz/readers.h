@@ -41,7 +41,8 @@ bool report(std::string_view bytes);   // of a model in the cache
 bool message(std::string_view bytes);
 bool session(std::string_view bytes);
 // The control: reads past its end if the bytes begin with "bone", and throws an undocumented exception if
-// they begin with "fat".
+// they begin with "fat". It computes an undefined value, leaks, does not end or takes 600 MiB for "overflow",
+// "leak", "endless" and "huge".
 bool planted(std::string_view bytes);
 
 struct Reader {

@@ -26,6 +26,7 @@
 #include "host/scene/scene_file.h"
 #include "tests/gltf/gltf_builder.h"
 #include "tests/support/readers.h"
+#include "tests/support/seed.h"
 
 namespace fascicle::tests {
 namespace {
@@ -151,7 +152,7 @@ TEST_F(FromBlender, blend_shapes_come_with_their_clips) {
 }
 
 TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
-  std::mt19937 random(7);
+  std::mt19937_64 random(seed_of_run(7));
   for (const std::string name : {"post.fbx", "post.dae"}) {
     const std::string whole = text_of(folder_.path() / name);
     for (const std::size_t part : {1u, 2u, 3u}) {
