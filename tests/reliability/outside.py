@@ -109,8 +109,9 @@ def hold_controls(bake):
 
 def outside(bakes, count):
     """strace shows what the program asks of the system: sockets, files that it changes, opens or fails to open, and
-    programs that it starts. Only asking whether a file exists, or for its size, is not held against it. It watches bakes of a bar, of generated characters and of a character from a file, an export, a
-    batch, and a bake on Mesa's software Vulkan device."""
+    programs that it starts. Only asking whether a file exists, or for its size, is not held against it. It watches
+    bakes of a bar, of generated characters and of a character from a file, an export, a batch, and a bake on Mesa's
+    software Vulkan device."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
 
@@ -177,5 +178,5 @@ def outside(bakes, count):
             shutil.rmtree(folder)
     said = "on the CPU and on lavapipe" if drivers else "on the CPU (NOT TESTED: lavapipe, which is not here)"
     return "%d traces: no socket; nothing changed but the output, the cache and temporary files; nothing else " \
-           "opened or looked for by opening it but the input, libraries and the system's description of the processor; no program started " \
-           "but the mesher and, by a batch, its bakes; %s" % (traces, said)
+           "opened or looked for by opening it but the input, libraries and the system's description of the " \
+           "processor; no program started but the mesher and, by a batch, its bakes; %s" % (traces, said)

@@ -50,7 +50,7 @@ def resumed(bakes, count):
     of_vulkan = 0
     for k in range(count):
         bake = bakes[1 if k % 10 == 9 else 0]
-        layer = "body" if bake is bakes[0] else "fat"
+        key, value = ("layers.body.alpha", "0.9") if bake is bakes[0] else ("layers.fat.youngs_modulus", "2e4")
         frames = len(bake.hashes) - 1
         end = float(bake.arguments[bake.arguments.index("--end") + 1])
         folder = bake.empty_folder()
@@ -63,8 +63,8 @@ def resumed(bakes, count):
         command = [PROGRAM, "bake", *first, "--device", before, "--threads", "1", "-o", folder]
         done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
         hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
-        refused = bake.run(folder, "--resume", "--set", "layers.%s.alpha=0.9" % layer)
-        hold(refused.returncode == BAD_INPUT and "the key layers.%s.alpha was" % layer in refused.stderr,
+        refused = bake.run(folder, "--resume", "--set", "%s=%s" % (key, value))
+        hold(refused.returncode == BAD_INPUT and "the key %s was" % key in refused.stderr,
              "%s: a changed stiffness was not refused: %s" % (folder, refused.stderr))
         bake.resume(folder, "--device", after, "--threads", str(1 + k % 3))
         shutil.rmtree(folder)
@@ -198,7 +198,8 @@ def damage(path, count, check):
 def damaged(bakes, count):
     """One bit of one of our own files is flipped (in each of the first 128 bytes, then at random), or the file is cut
     off at a multiple of 4 KiB. `fascicle verify` must detect it in the files of a bake, and `fascicle batch status` in
-    those of a batch. A bake must never use a damaged cache entry: it builds the body anew and replaces the entry."""
+    those of a batch. Every tenth damaged bake is also exported and resumed, which must be refused. A bake must never
+    use a damaged cache entry: it builds the body anew and replaces the entry."""
     bake, kept = bakes[0], a_kept_body()
     kept.prepare(bake.root)
     folder = bake.empty_folder()
@@ -223,10 +224,27 @@ def damaged(bakes, count):
         word = "frame %d\n" % ((at - HEAD_OF_FRAMES) // record) if in_frames else "frames.fascicle"
         ended(["verify", folder], BAD_INPUT, word, what)
 
-    found["frames.fascicle"] = damage(frames, count // 5, frame_is_named)
-    for name in ("model.fascicle", "checkpoint", "manifest.json"):
-        found[name] = damage(os.path.join(folder, name), count // 5,
-                             lambda what, _, name=name: ended(["verify", folder], BAD_INPUT, name, what))
+    longer = list(bake.arguments)
+    longer[longer.index("--end") + 1] = "9"
+    uses = {"export": ["export", folder, "--to", "obj", "-o", bake.root + "/damaged-export"],
+            "resume": ["bake", *longer, "--device", "cpu", "-o", folder, "--resume"]}
+    # A resumed bake writes the model anew, and an export needs no checkpoint.
+    used_by = {"frames.fascicle": ("export", "resume"), "model.fascicle": ("export",), "checkpoint": ("resume",),
+               "manifest.json": ("export", "resume")}
+    used = 0
+    for name in used_by:
+        def check(what, at, name=name):
+            nonlocal used
+            if name == "frames.fascicle":
+                frame_is_named(what, at)
+            else:
+                ended(["verify", folder], BAD_INPUT, name, what)
+            if random.random() < 0.1:
+                for use in used_by[name]:
+                    ended(uses[use], BAD_INPUT, "fascicle: error: ", what)
+                    used += 1
+
+        found[name] = damage(os.path.join(folder, name), count // 5, check)
     ended(["verify", folder], DONE)
 
     jobs = os.path.join(bake.root, "damaged-jobs.toml")
@@ -266,8 +284,8 @@ def damaged(bakes, count):
         must_be_found(lambda entry=entry: replaced("no damage", entry), "an entry that is used")
         what = damage(entry, max(1, count // 40), lambda what, _, entry=entry: replaced(what, entry))
         found["kept entries"] = found.get("kept entries", 0) + what
-    return "%d of %d damages detected: %s" % (sum(found.values()), sum(found.values()),
-                                           ", ".join("%s %d" % pair for pair in found.items()))
+    return "%d of %d damages detected: %s; %d exports and resumed bakes of damaged files were refused" % (
+        sum(found.values()), sum(found.values()), ", ".join("%s %d" % pair for pair in found.items()), used)
 
 
 class Row(typing.NamedTuple):
