@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "host/bake/bake.h"
+#include "host/bake/folder.h"
 #include "host/bake/manifest.h"
 #include "host/base/errors.h"
 #include "host/base/file.h"
@@ -197,7 +198,7 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
   if (arguments.merge) {
     std::vector<SummaryRow> rows;
     for (const JobState& job : jobs) rows.push_back(job.row);
-    fs::create_directories(plan.output);
+    bake::make_folder(plan.output);
     write_batch_summary(plan.output, rows);
     log.info("wrote " + (plan.output / scene::batch_summary).string());
     if (!plan.folder.empty()) {

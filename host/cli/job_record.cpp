@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "host/bake/folder.h"
 #include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/base/json_text.h"
@@ -21,7 +22,7 @@ fs::path job_record_file(const fs::path& output, const std::string& job) {
 
 void write_job_record(const fs::path& output, const std::string& job, const JobRecord& record) {
   const fs::path file = job_record_file(output, job);
-  fs::create_directories(file.parent_path());
+  bake::make_folder(file.parent_path());
   const nlohmann::ordered_json json{
       {"host", record.host},
       {"process", record.process},

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "host/bake/folder.h"
 #include "host/base/file.h"
 #include "host/cli/batch_plan.h"
 #include "host/cli/text.h"
@@ -123,7 +124,7 @@ bool was_submitted(const fs::path& folder) {
 }
 
 void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::string& options) {
-  fs::create_directories(folder);
+  bake::make_folder(folder);
   // Left over from an earlier batch.
   fs::remove(folder / submitted_ids);
   fs::remove(folder / "report.txt");

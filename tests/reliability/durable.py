@@ -179,7 +179,8 @@ def control_of_order(log, root):
 
 def durable(bakes, count):
     """strace records the commands that write files: a bake in all formats with a cache, the same bake resumed to a
-    later end, exports into the bake and beside it, a batch, pictures, a report and a page to view. The bytes of a file
+    later end, exports into the bake and beside it, a batch, its form for a farm, pictures, a report, a page to view, a
+    validation and the model of `inspect`. The bytes of a file
     are synced before it gets its final name, and its folder is synced after that. Everything that a checkpoint relies
     on is synced before the checkpoint."""
     why_not = subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True).returncode \
@@ -207,6 +208,10 @@ def durable(bakes, count):
         "picture": ["render", bake, "--size", "160x120", "-o", os.path.join(root, "picture.png")],
         "report": ["report", bake, "-o", os.path.join(root, "report.html")],
         "view": ["view", bake, "-o", os.path.join(root, "view.html")],
+        "emit": ["batch", jobs, "--emit", "slurm", "-o", os.path.join(root, "farm")],
+        "model": ["inspect", "bar-hang-none", "--model", os.path.join(root, "model.vtu")],
+        "validate": ["validate", "bar-beta-1", "--devices", "cpu", "--frames", "2", "--html",
+                     os.path.join(root, "validate.html")],
     }
     held = dict.fromkeys(commands, 0)
     for k in range(count):

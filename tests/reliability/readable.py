@@ -136,7 +136,8 @@ def as_json(content, path):
 # Our own formats, which `fascicle verify` reads, and textures, which are copied from the character.
 UNREAD = (".fascicle", ".entry", ".png", "")
 READERS = {".csv": comma_separated, ".obj": obj, ".mtl": mtl, ".usda": usda, ".pc2": pc2, ".mdd": mdd, ".glb": glb,
-           ".vtu": vtk, ".vtp": vtk, ".pvd": vtk, ".abc": abc, ".html": html, ".py": py, ".sh": sh, ".sbatch": sh, ".json": as_json}
+           ".vtu": vtk, ".vtp": vtk, ".pvd": vtk, ".abc": abc, ".html": html, ".py": py, ".sh": sh,
+           ".sbatch": sh, ".json": as_json}
 
 
 def hold_readable(path):

@@ -299,7 +299,7 @@ class Row(typing.NamedTuple):
 ROWS = (
     Row("killed", "SIGKILL at random moments", killed, 1000, 4),
     Row("stopped", "SIGTERM and SIGINT at random moments", stopped, 400, 4),
-    Row("durable", "Order of writes, syncs and renames", durable, 18, 9),
+    Row("durable", "Order of writes, syncs and renames", durable, 24, 12),
     Row("resumed", "Resuming from random frames with other settings", resumed, 200, 2),
     Row("batches", "Signals to a whole batch", batches_stopped, 60, 3),
     Row("disk", "Full disks and I/O errors", disk_fails, 200, 7),
