@@ -11,7 +11,6 @@ from . import character, point_cache
 from .character import FLESH
 from .problem import Problem
 
-POINTS_FILE = "surface.pc2"
 # Custom properties by which what was made here is found again: of a collection the names of its armature and its bake;
 # of a mesh how it was hidden before.
 ARMATURE, BAKE = "fascicle_armature", "fascicle_bake"
@@ -99,10 +98,10 @@ def _add_shape_keys(flesh, path, first):
 def attach(context, armature, meshes, name, folder, first, kind):
     """Shows the bake in `folder`, whose frame 0 is Blender's frame `first`, in the place of the meshes. `kind` is one
     of settings.ATTACHMENTS. An earlier bake of that name is replaced. Raises Problem, and then nothing has changed."""
-    points = os.path.join(folder, POINTS_FILE)
+    points = os.path.join(folder, point_cache.NAME)
     paths = [points]
     if len(meshes) > 1:
-        paths = [os.path.join(folder, "object-%d.pc2" % number) for number in range(len(meshes))]
+        paths = [os.path.join(folder, point_cache.part_name(number)) for number in range(len(meshes))]
         point_cache.write_parts(points, [(path, len(mesh.data.vertices)) for path, mesh in zip(paths, meshes)])
     for path, mesh in zip(paths, meshes):
         with open(path, "rb") as file:

@@ -1,10 +1,12 @@
 """surface.pc2: Point Cache 2, and its parts for the objects of a character. Knows nothing of Blender."""
 
 import os
+import re
 import struct
 
 from .problem import Problem
 
+NAME = "surface.pc2"
 HEAD = struct.Struct("<12siiffi")
 POINT = 12  # bytes: three floats
 
@@ -26,6 +28,32 @@ def samples(path):
         points, count = read_head(file, path)
         for _ in range(count):
             yield file.read(points * POINT)
+
+
+def part_name(number):
+    return "object-%d.pc2" % number
+
+
+def is_part_name(name):
+    return re.fullmatch(r"object-\d+\.pc2", name) is not None
+
+
+def parts_in(folder):
+    """The names of the parts into which the folder's cache was cut; empty where such files are not those parts."""
+    names, left = [], 0
+    try:
+        with open(os.path.join(folder, NAME), "rb") as file:
+            left, count = read_head(file, file.name)
+        while left > 0:
+            names.append(part_name(len(names)))
+            with open(os.path.join(folder, names[-1]), "rb") as file:
+                points, found = read_head(file, file.name)
+            if found != count:
+                return []
+            left -= points
+    except (OSError, Problem):
+        return []
+    return names if left == 0 else []
 
 
 def write_parts(path, parts):

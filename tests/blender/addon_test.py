@@ -138,6 +138,18 @@ class Actions(WithBlender):
         self.assertEqual((found["open_after_show"], found["shown_after_show"]), ("second", ["second"]))
 
 
+class Again(WithBlender):
+    def test_a_second_bake_replaces_the_first_and_keeps_the_users_files(self):
+        found = self.check("again", self.arm)
+        self.assertIn("object-1.pc2", found["files"])
+        self.assertEqual(found["files_after"], sorted(found["files"] + ["render.png"]))
+        self.assertEqual((found["error"], found["frames"]), (0.0, 4))
+        # The folder and its input, which has another name after another bake.
+        self.assertEqual((len(found["beside"]), len(found["beside_after"])), (2, 3))
+        self.assertIn(found["backup"], found["beside_after"])
+        self.assertEqual((found["mine"], found["kept_backup"]), (["mine", "mine"], True))
+
+
 class Cancel(WithBlender):
     def test_nothing_of_it_is_left_and_the_bake_before_it_is_whole(self):
         found = self.check("cancel", self.arm)

@@ -12,6 +12,7 @@ import sys
 import time
 import traceback
 
+import bmesh
 import bpy
 from mathutils import Euler, Matrix
 
@@ -176,6 +177,39 @@ def list_of_actions(path, said):
     result["open_after_show"] = armature.animation_data.action.name
     result["shown_after_show"] = [found["fascicle_bake"] for found in bpy.data.collections
                                   if found.get("fascicle_bake") and not found.hide_viewport]
+    return result
+
+
+def again(path, said):
+    """Cuts a character into two meshes and bakes it; puts files of the user in the folder and beside it; then bakes
+    fewer frames."""
+    armature = open_character(path, said)
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    other = mesh.copy()
+    other.data = mesh.data.copy()
+    mesh.users_collection[0].objects.link(other)
+    half = len(mesh.data.polygons) // 2
+    for obj, unwanted in ((mesh, slice(half)), (other, slice(half, None))):
+        edited = bmesh.new()
+        edited.from_mesh(obj.data)
+        edited.faces.ensure_lookup_table()
+        bmesh.ops.delete(edited, geom=edited.faces[unwanted], context="FACES")
+        edited.to_mesh(obj.data)
+        edited.free()
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    folder = baked_folder(said)
+    result = {"files": sorted(os.listdir(folder)), "beside": sorted(os.listdir(said["folder"])),
+              "backup": os.path.basename(folder) + ".old"}
+    own = [os.path.join(folder + ".old", "mine.txt"), os.path.join(folder, "render.png")]
+    os.mkdir(folder + ".old")
+    for name in own:
+        with open(name, "w") as file:
+            file.write("mine")
+    bpy.context.scene.frame_end = 4
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    result.update(files_after=sorted(os.listdir(folder)), beside_after=sorted(os.listdir(said["folder"])),
+                  mine=[open(name).read() for name in own], kept_backup=os.listdir(folder + ".old") == ["mine.txt"])
+    result["error"], result["frames"] = measure_exact(armature, folder, frames_of(said)[0])
     return result
 
 
