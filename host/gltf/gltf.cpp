@@ -15,6 +15,8 @@
 #include "host/gltf/gltf_parts.h"
 #include "host/gltf/gltf_shapes.h"
 #include "host/gltf/gltf_skeleton.h"
+#include "host/gltf/gltf_triangles.h"
+#include "host/gltf/gltf_weights.h"
 #include "host/gltf/weightless.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
@@ -22,11 +24,6 @@
 namespace fascicle::gltf {
 namespace {
 
-// Upper bounds, far above any character. The bound also scales with the file's size, because a small file may
-// name one accessor many times: a vertex with joints and weights has at least 16 bytes, so bytes / 2 lets
-// each mesh appear eight times.
-constexpr std::size_t most_vertices = std::size_t{1} << 24, vertices_of_any_file = std::size_t{1} << 20;
-constexpr std::size_t triangles_a_vertex = 2;
 constexpr std::size_t most_painted = 16;
 
 // Components per vertex of an attribute that can be painted; 0 for any other.
@@ -46,36 +43,14 @@ std::uint32_t painted_width(const std::string& name, int type) {
   }
 }
 
-// A primitive's triangles, as indices into its own vertices.
-std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t>& corners, int mode) {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
-    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
-      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-    return triangles;
-  }
-  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
-    std::array<std::uint32_t, 3> t{corners[mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i], corners[i + 1],
-                                   corners[i + 2]};
-    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1) std::swap(t[1], t[2]);  // glTF 2.0, 3.7.2.1
-    // Repeated corners join strips; skip those degenerate triangles.
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
-  }
-  return triangles;
-}
-
 class Reader {
  public:
   // `looks` is the file's own document: the decoder's copy has no looks.
   Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
-      : path_(path), looks_(looks), model_(model) {
-    std::size_t bytes = 0;
-    for (const tinygltf::Buffer& buffer : model_.buffers) bytes += buffer.data.size();
-    most_vertices_ = std::min(most_vertices, vertices_of_any_file + bytes / 2);
-  }
+      : path_(path), looks_(looks), model_(model) {}
 
   rig::Character run(Still still) {
-    const GltfParts found = find_parts(model_, looks_, still);
+    const GltfParts found = find_parts(path_, model_, looks_, still);
     if (found.parts.empty() && still == Still::carried)
       fail("/nodes", "the file's scene has no mesh of triangles; export the prop with its mesh");
     if (found.parts.empty()) {
@@ -123,14 +98,6 @@ class Reader {
 
   [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
     gltf_error(path_, pointer, what);
-  }
-
-  void check_size(std::size_t count, std::size_t most, const std::string& what,
-                  const std::string& pointer) const {
-    if (count <= most) return;
-    fail(pointer, "more than " + std::to_string(most) + " " + what +
-                      " in all, the most that are read of a file of this size; export each mesh once, and "
-                      "each material with its own vertices");
   }
 
   void note(std::size_t vertices, const std::string& what) {
@@ -276,8 +243,7 @@ class Reader {
       });
       double sum = 0.0;
       for (const Influence& x : all) sum += x.weight;
-      // Do not report the rounding errors of 16-bit and float weights.
-      if (std::abs(sum - 1.0) > 1e-3) ++normalised_;
+      if (std::abs(sum - 1.0) > weight_sum_tolerance) ++normalised_;
       if (all.size() > 8) {
         ++cut_;
         all.resize(8);
@@ -307,33 +273,6 @@ class Reader {
       influences[i] = influences[source[i]];
       ++weightless_;
     }
-  }
-
-  std::vector<std::uint32_t> read_corners(const tinygltf::Primitive& primitive, const std::string& pointer,
-                                          std::size_t count) const {
-    std::vector<std::uint32_t> corners;
-    if (primitive.indices < 0) {
-      for (std::size_t i = 0; i < count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
-    } else {
-      const int type = model_.accessors[static_cast<std::size_t>(primitive.indices)].componentType;
-      const bool is_index = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-      for (const double corner :
-           numbers(pointer + "/indices", primitive.indices, TINYGLTF_TYPE_SCALAR, is_index, 0)) {
-        if (corner >= static_cast<double>(count)) {
-          fail(pointer + "/indices", "names vertex " + std::to_string(static_cast<std::uint64_t>(corner)) +
-                                         " of " + std::to_string(count) +
-                                         ", counted from 0; export the mesh again");
-        }
-        corners.push_back(static_cast<std::uint32_t>(corner));
-      }
-    }
-    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0) {
-      fail(pointer + (primitive.indices < 0 ? "/attributes/POSITION" : "/indices"),
-           std::to_string(corners.size()) + " corners do not make whole triangles");
-    }
-    return corners;
   }
 
   // Finds or adds the attribute of this name; vertices of earlier primitives without it get 0.
@@ -395,11 +334,8 @@ class Reader {
     if (position < 0) fail(position_pointer, "is missing");
     const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(position)];
     mesh::SurfaceMesh& surface = character_.surface;
-    check_size(surface.vertices.size() + a.count, most_vertices_, "vertices", position_pointer);
     const std::vector<double> raw = read_positions(path_, model_, primitive, pointer);
-    const auto triangles = expand(read_corners(primitive, pointer, a.count), primitive.mode);
-    check_size(surface.triangles.size() + triangles.size(), triangles_a_vertex * most_vertices_, "triangles",
-               pointer);
+    const auto triangles = read_triangles(path_, model_, primitive, pointer, a.count);
     std::vector<std::vector<Influence>> influences =
         source.skin >= 0 ? read_influences(primitive, skin, pointer, a.count)
                          : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
@@ -449,7 +385,7 @@ class Reader {
   rig::Character character_;
   std::vector<std::int32_t> joint_of_;  // per node
   std::vector<Eigen::Matrix4d> bind_;   // per joint: joint space to bind pose, metres
-  std::size_t most_vertices_ = 0, targets_left_ = most_target_positions;
+  std::size_t targets_left_ = most_target_positions;
   std::size_t normalised_ = 0, cut_ = 0,
               weightless_ = 0;  // vertices whose weights were changed
   std::vector<bool> is_bound_;  // per joint: whether a skin has set its bind pose

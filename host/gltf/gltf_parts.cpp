@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_limits.h"
 #include "host/rig/pose_interpolation.h"
 
 namespace fascicle::gltf {
@@ -56,8 +57,9 @@ std::vector<bool> marked_nodes(const nlohmann::json& document, std::size_t count
 
 class Finder {
  public:
-  Finder(const tinygltf::Model& model, const nlohmann::json& document)
+  Finder(const std::filesystem::path& path, const tinygltf::Model& model, const nlohmann::json& document)
       : model_(model),
+        limits_(path, model),
         parents_(node_parents(model)),
         is_in_(nodes_in_scene(model)),
         moves_(marked_nodes(document, model.nodes.size())) {}
@@ -131,6 +133,7 @@ class Finder {
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       if (part.skin < 0 && !is_of_triangles(primitives[p])) continue;
       part.primitive = p;
+      limits_.add(part);
       result_.parts.push_back(part);
       is_taken = true;
     }
@@ -142,6 +145,7 @@ class Finder {
   }
 
   const tinygltf::Model& model_;
+  PartLimits limits_;
   std::vector<int> parents_;
   std::vector<bool> is_in_;  // per node: in the default scene
   std::vector<bool> moves_;  // per node: a joint of a skin, marked, or animated by a clip
@@ -150,8 +154,9 @@ class Finder {
 
 }  // namespace
 
-GltfParts find_parts(const tinygltf::Model& model, const nlohmann::json& document, Still still) {
-  return Finder(model, document).run(still);
+GltfParts find_parts(const std::filesystem::path& path, const tinygltf::Model& model,
+                     const nlohmann::json& document, Still still) {
+  return Finder(path, model, document).run(still);
 }
 
 Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t number) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,10 @@ struct GltfParts {
 // Finds the meshes of the default scene that have a skin, and the unskinned ones that are at or below a joint
 // of such a skin, an animated node or a node with carries_mark. Leaves out meshes that nothing moves, and
 // unskinned ones that are not triangles or are scaled to nothing at rest. If no mesh moves and `still` is
-// Still::carried, the topmost nodes carry what is below them.
-GltfParts find_parts(const tinygltf::Model& model, const nlohmann::json& document, Still still);
+// Still::carried, the topmost nodes carry what is below them. Throws SceneError if the parts have more in all
+// than is read of a file of this size (gltf_limits.h).
+GltfParts find_parts(const std::filesystem::path& path, const tinygltf::Model& model,
+                     const nlohmann::json& document, Still still);
 
 // A node's transform in its parent's space.
 Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t node);

@@ -10,10 +10,12 @@
 #include "host/gltf/gltf_attributes.h"
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
+#include "host/gltf/gltf_document.h"
 #include "host/gltf/gltf_library.h"
 #include "host/gltf/gltf_parts.h"
 #include "host/gltf/gltf_shapes.h"
 #include "host/gltf/gltf_skeleton.h"
+#include "host/gltf/gltf_weights.h"
 
 namespace fascicle::gltf {
 namespace {
@@ -31,14 +33,6 @@ constexpr std::array<unsigned char, 67> white_pixel{
 void append_aligned(std::string& binary, const unsigned char* bytes, std::size_t count) {
   binary.resize((binary.size() + 7) / 8 * 8, '\0');
   binary.append(reinterpret_cast<const char*>(bytes), count);
-}
-
-// Adds a buffer view; returns its index.
-std::size_t add_view(GltfDocument& document, const unsigned char* bytes, std::size_t count) {
-  append_aligned(document.binary, bytes, count);
-  json& views = document.json["bufferViews"];
-  views.push_back({{"buffer", 0}, {"byteOffset", document.binary.size() - count}, {"byteLength", count}});
-  return views.size() - 1;
 }
 
 bool is_png(const std::vector<unsigned char>& bytes) {
@@ -73,7 +67,7 @@ class RigReader {
       : path_(path), document_(document), model_(model) {}
 
   Rig run(Still still) {
-    const GltfParts found = find_parts(model_, document_, still);
+    const GltfParts found = find_parts(path_, model_, document_, still);
     const std::vector<std::int32_t> joint_of = read_skeleton(path_, model_, found, rig_.character);
     rig_.joint_node.resize(rig_.character.skeleton.size());
     for (std::size_t n = 0; n < joint_of.size(); ++n)
@@ -179,6 +173,13 @@ class RigReader {
 
 }  // namespace
 
+std::size_t add_view(GltfDocument& document, const unsigned char* bytes, std::size_t count) {
+  append_aligned(document.binary, bytes, count);
+  json& views = document.json["bufferViews"];
+  views.push_back({{"buffer", 0}, {"byteOffset", document.binary.size() - count}, {"byteLength", count}});
+  return views.size() - 1;
+}
+
 GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, const fs::path& converter) {
   CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
@@ -193,6 +194,7 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, 
     view["byteOffset"] = offsets.at(view["buffer"].get<std::size_t>()) + offset;
     view["buffer"] = 0;
   }
+  repair_weights(path, *model, document);
   pack_images(path, document, missing);
   document.json["buffers"] = json::array({{{"byteLength", document.binary.size()}}});
   return document;

@@ -22,8 +22,8 @@ struct GltfDocument {
 };
 
 // The whole file, checked as by read_gltf. Buffers and images move into `binary`, compressed geometry is
-// decoded, everything else stays. A missing image becomes a white pixel, and its name is appended to
-// `missing`. Throws SceneError.
+// decoded, weights get a sum of 1 (repair_weights), everything else stays. A missing image becomes a white
+// pixel, and its name is appended to `missing`. Throws SceneError.
 GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing,
                        const std::filesystem::path& converter = {});
 

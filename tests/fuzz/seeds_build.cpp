@@ -16,6 +16,8 @@ void add_build_seeds(std::vector<Seed>& seeds) {
   body.render.weights = {{0.25, 0.25, 0.25, 0.25}, {1, 0, 0, 0}, {1, 0, 0, 0}};
   build::Report report;
   report.warnings = {{"a warning", {3, 4}}};
+  report.fill.cage.ends = {
+      .vertex = {0, 2}, .edges = {3, 4}, .joint = {1, -1}, .width = {0.5, 0.25}, .fate = {0, 1}};
   seeds.push_back({"body", "two", build::filled_body_bytes(body, report)});
   report.joints.resize(2);
   report.layers.resize(1);

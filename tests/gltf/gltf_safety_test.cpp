@@ -536,25 +536,6 @@ TEST(LyingGlb, any_byte_changed) {
   EXPECT_GT(refused, good.size() / 4);
 }
 
-// 10 MB that would take a thousand: a primitive that is listed many times with the same data.
-TEST(LyingFile, one_mesh_many_times) {
-  const TemporaryFolder folder;
-  GltfBuilder builder = column();
-  json& primitives = builder.document["meshes"][0]["primitives"];
-  const json one = primitives[0];
-  const auto read = [&](std::size_t times) {
-    primitives = json(times, one);
-    return gltf::read_gltf(folder.write("many.glb", builder.glb())).surface.vertices.size();
-  };
-  EXPECT_EQ(read(8), 8U * 12);
-  try {
-    read(100000);
-    ADD_FAILURE() << "was read";
-  } catch (const base::SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find("vertices in all"), std::string::npos) << error.what();
-  }
-}
-
 TEST(LyingFile, what_is_no_glTF_at_all) {
   const TemporaryFolder folder;
   for (const char* text :

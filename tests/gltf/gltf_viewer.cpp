@@ -191,24 +191,49 @@ Matrix4d GltfViewer::global(int clip, double time, std::size_t node) const {
   return parent < 0 ? local : Matrix4d(global(clip, time, static_cast<std::size_t>(parent)) * local);
 }
 
+std::vector<Matrix4d> GltfViewer::maps(int clip, double time, std::size_t n) const {
+  const json& node = document["nodes"][n];
+  if (!node.contains("skin")) return {global(clip, time, n)};
+  const json& skin = document["skins"][node["skin"].get<std::size_t>()];
+  std::vector<Matrix4d> maps;
+  std::vector<double> matrices;
+  if (skin.contains("inverseBindMatrices")) matrices = numbers(skin["inverseBindMatrices"]);
+  for (std::size_t k = 0; k < skin["joints"].size(); ++k) {
+    maps.push_back(global(clip, time, skin["joints"][k]));
+    if (!matrices.empty())
+      maps.back() = (maps.back() * Eigen::Map<const Matrix4d>(matrices.data() + 16 * k)).eval();
+  }
+  return maps;
+}
+
+std::vector<Vector3d> GltfViewer::normals(int clip, double time) const {
+  std::vector<Vector3d> result = raw_normals(clip, time);
+  std::size_t at = 0;
+  for (std::size_t n = 0; n < parents_.size(); ++n) {
+    const json& node = document["nodes"][n];
+    if (!node.contains("mesh")) continue;
+    const std::vector<Matrix4d> maps = this->maps(clip, time, n);
+    for (const json& primitive : document["meshes"][node["mesh"].get<std::size_t>()]["primitives"]) {
+      const std::vector<double> joints = numbers(primitive["attributes"]["JOINTS_0"]),
+                                weights = numbers(primitive["attributes"]["WEIGHTS_0"]);
+      for (std::size_t i = 0; i < joints.size(); i += 4, ++at) {
+        Eigen::Matrix3d blend = Eigen::Matrix3d::Zero();
+        for (std::size_t k = i; k < i + 4; ++k)
+          blend += weights[k] * maps[static_cast<std::size_t>(joints[k])].topLeftCorner<3, 3>();
+        result[at] = (blend * result[at]).normalized();
+      }
+    }
+  }
+  return result;
+}
+
 std::vector<Vector3d> GltfViewer::shown(int clip, double time) const {
   std::vector<Vector3d> result;
   for (std::size_t n = 0; n < parents_.size(); ++n) {
     const json& node = document["nodes"][n];
     if (!node.contains("mesh")) continue;
     const json& mesh = document["meshes"][node["mesh"].get<std::size_t>()];
-    std::vector<Matrix4d> maps{global(clip, time, n)};
-    if (node.contains("skin")) {
-      const json& skin = document["skins"][node["skin"].get<std::size_t>()];
-      maps.clear();
-      std::vector<double> matrices;
-      if (skin.contains("inverseBindMatrices")) matrices = numbers(skin["inverseBindMatrices"]);
-      for (std::size_t k = 0; k < skin["joints"].size(); ++k) {
-        maps.push_back(global(clip, time, skin["joints"][k]));
-        if (!matrices.empty())
-          maps.back() = (maps.back() * Eigen::Map<const Matrix4d>(matrices.data() + 16 * k)).eval();
-      }
-    }
+    const std::vector<Matrix4d> maps = this->maps(clip, time, n);
     const std::vector<double> shares = weights(clip, time, n);
     for (const json& primitive : mesh["primitives"]) {
       const json& attributes = primitive["attributes"];

@@ -29,9 +29,15 @@ class GltfViewer {
   // Their morphed normals before skins and nodes rotate them, not normalised.
   std::vector<Eigen::Vector3d> raw_normals(int clip, double time) const;
 
+  // The same as viewers shade with them: rotated by the blend of the joints' transforms itself, not by its
+  // inverse transpose, and normalised. For skinned meshes of one set of joints.
+  std::vector<Eigen::Vector3d> normals(int clip, double time) const;
+
   nlohmann::json document;
 
  private:
+  // Of a node's joints, or of the node itself if it has no skin.
+  std::vector<Eigen::Matrix4d> maps(int clip, double time, std::size_t node) const;
   // An attribute of three values with the primitive's morph targets applied.
   std::vector<double> morphed(const nlohmann::json& primitive, const std::string& attribute,
                               const std::vector<double>& weights) const;

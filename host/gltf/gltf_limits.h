@@ -1,0 +1,30 @@
+// How much is read of a glTF file: a small file may name one accessor very many times.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "host/gltf/gltf_parts.h"
+
+namespace fascicle::gltf {
+
+// Adds up what a reader of the parts will hold, before anything is decoded.
+class PartLimits {
+ public:
+  // Keeps references to both.
+  PartLimits(const std::filesystem::path& path, const tinygltf::Model& model);
+  // Throws SceneError if the parts so far have more in all than is read of a file of this size.
+  void add(const GltfPart& part);
+
+ private:
+  void count(std::size_t& sum, std::size_t more, std::size_t most, const std::string& what,
+             const std::string& pointer) const;
+
+  const std::filesystem::path& path_;
+  const tinygltf::Model& model_;
+  std::size_t most_vertices_ = 0;
+  std::size_t parts_ = 0, vertices_ = 0, corners_ = 0, targets_ = 0, influence_sets_ = 0, bind_matrices_ = 0;
+};
+
+}  // namespace fascicle::gltf

@@ -1,0 +1,138 @@
+// Small files that would take gigabytes, because they name the same data again and again. The character and
+// the rig must be refused alike: the rig of a bake's character.glb is read on its own.
+#include <gtest/gtest.h>
+
+#include "host/base/errors.h"
+#include "host/gltf/gltf.h"
+#include "host/gltf/gltf_rig.h"
+#include "tests/gltf/gltf_builder.h"
+
+namespace fascicle::tests {
+namespace {
+
+using nlohmann::json;
+
+template <class Read>
+std::string refusal_by(const Read& read) {
+  try {
+    read();
+  } catch (const base::SceneError& error) {
+    return error.what();
+  }
+  return "was read";
+}
+
+// Expects the same refusal of both readers: more of `what`, at `place`.
+void expect_too_many(const GltfBuilder& builder, const std::string& what, const std::string& place) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("many.glb", builder.glb());
+  const std::string of_rig = refusal_by([&] { gltf::read_rig(path); });
+  EXPECT_EQ(of_rig, refusal_by([&] { gltf::read_gltf(path); }));
+  EXPECT_NE(of_rig.find(": " + place + ": more than "), std::string::npos) << of_rig;
+  EXPECT_NE(of_rig.find(" " + what + " in all"), std::string::npos) << of_rig;
+}
+
+json& primitives_of(GltfBuilder& builder) {
+  return builder.document["meshes"][0]["primitives"];
+}
+
+// Adds an accessor without bytes, which is read as zeros.
+std::size_t add_zeros(GltfBuilder& builder, int component, const char* type, std::size_t count) {
+  json& accessors = builder.document["accessors"];
+  accessors.push_back({{"componentType", component}, {"type", type}, {"count", count}});
+  return accessors.size() - 1;
+}
+
+TEST(GltfLimits, one_mesh_many_times) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = column();
+  const json one = primitives_of(builder)[0];
+  primitives_of(builder) = json(std::size_t{8}, one);
+  const std::filesystem::path path = folder.write("eight.glb", builder.glb());
+  EXPECT_EQ(gltf::read_gltf(path).surface.vertices.size(), 8U * 12);
+  EXPECT_EQ(gltf::read_rig(path).parts.size(), 8U);
+  primitives_of(builder) = json(std::size_t{100'000}, one);
+  // 2^20 vertices and one for two bytes, at 12 a primitive.
+  const std::size_t most = (std::size_t{1} << 20) + builder.bytes.size() / 2;
+  expect_too_many(builder, std::to_string(most) + " vertices",
+                  "/meshes/0/primitives/" + std::to_string(most / 12) + "/attributes/POSITION");
+}
+
+// This one took 3 GB, and more.
+TEST(GltfLimits, one_long_accessor_in_many_primitives) {
+  GltfBuilder builder = column();
+  const std::size_t count = 20'000;
+  const std::size_t positions = builder.add("VEC3", std::vector<float>(3 * count, 0.5f));
+  const std::size_t joints = builder.add("VEC4", std::vector<std::uint8_t>(4 * count, 0));
+  const std::size_t weights = builder.add("VEC4", std::vector<float>(4 * count, 0.25f));
+  const json attributes{{"POSITION", positions}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}};
+  primitives_of(builder) = json(std::size_t{4000}, json::object({{"attributes", attributes}}));
+  const std::size_t most = (std::size_t{1} << 20) + builder.bytes.size() / 2;
+  expect_too_many(builder, std::to_string(most) + " vertices",
+                  "/meshes/0/primitives/" + std::to_string(most / count) + "/attributes/POSITION");
+}
+
+// Shows the mesh on as many more nodes.
+void show_on(GltfBuilder& builder, int more) {
+  json& nodes = builder.document["nodes"];
+  for (int k = 0; k < more; ++k) {
+    builder.document["scenes"][0]["nodes"].push_back(nodes.size());
+    nodes.push_back({{"mesh", 0}, {"skin", 0}});
+  }
+}
+
+TEST(GltfLimits, one_mesh_on_many_nodes) {
+  GltfBuilder builder = column();
+  const std::size_t position = add_zeros(builder, 5126, "VEC3", 3);
+  primitives_of(builder) =
+      json(std::size_t{400}, json::object({{"attributes", json::object({{"POSITION", position}})}}));
+  show_on(builder, 400);
+  const std::size_t most = ((std::size_t{1} << 20) + builder.bytes.size() / 2) / 8;
+  expect_too_many(builder, std::to_string(most) + " parts",
+                  "/meshes/0/primitives/" + std::to_string(most % 400));
+}
+
+// Degenerate triangles are left out, but their corners are read.
+TEST(GltfLimits, strips_of_nothing) {
+  GltfBuilder builder = column();
+  json one = primitives_of(builder)[0];
+  one["mode"] = 5;
+  one["indices"] = builder.add("SCALAR", std::vector<std::uint8_t>(3000, 0));
+  primitives_of(builder) = json(std::size_t{3000}, one);
+  const std::size_t most = 6 * ((std::size_t{1} << 20) + builder.bytes.size() / 2);
+  expect_too_many(builder, std::to_string(most) + " corners of triangles",
+                  "/meshes/0/primitives/" + std::to_string(most / 3000));
+}
+
+TEST(GltfLimits, morph_targets_on_many_nodes) {
+  GltfBuilder builder = column();
+  primitives_of(builder)[0]["targets"] = json(std::size_t{3000}, json::object({{"POSITION", 0}}));
+  show_on(builder, 400);
+  expect_too_many(builder, "morph targets", "/meshes/0/primitives/0/targets");
+}
+
+TEST(GltfLimits, sets_of_joints_and_weights) {
+  GltfBuilder builder = column();
+  const std::size_t count = std::size_t{1} << 19;
+  json& attributes = primitives_of(builder)[0]["attributes"];
+  attributes = json::object({{"POSITION", add_zeros(builder, 5126, "VEC3", count)}});
+  const std::size_t joints = add_zeros(builder, 5121, "VEC4", count);
+  const std::size_t weights = add_zeros(builder, 5126, "VEC4", count);
+  for (int set = 0; set < 60; ++set) {
+    attributes["JOINTS_" + std::to_string(set)] = joints;
+    attributes["WEIGHTS_" + std::to_string(set)] = weights;
+  }
+  expect_too_many(builder, "sets of joints and weights", "/meshes/0/primitives/0/attributes/JOINTS_4");
+}
+
+TEST(GltfLimits, bind_matrices_of_a_skin_of_many_parts) {
+  GltfBuilder builder = column();
+  builder.document["skins"][0]["inverseBindMatrices"] =
+      add_zeros(builder, 5126, "MAT4", std::size_t{1} << 16);
+  const json one = primitives_of(builder)[0];
+  primitives_of(builder) = json(std::size_t{400}, one);
+  expect_too_many(builder, "inverse bind matrices", "/meshes/0/primitives/16");
+}
+
+}  // namespace
+}  // namespace fascicle::tests
