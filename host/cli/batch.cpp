@@ -36,14 +36,25 @@ struct BatchArguments {
   bool submit = false;
 };
 
+// For a task that begins in another folder.
+void refuse_relative_inputs(const scene::Scene& scene) {
+  for (const auto& [file, hash] : scene.input_hashes)
+    if (!file.starts_with("builtin:") && fs::path(file).is_relative())
+      throw scene::SceneError(file +
+                              ": was found from the current folder, and the tasks of --emit openjd begin in "
+                              "others; put it next to the list, or give its full path");
+}
+
 // Reports everything that can be rejected before the first bake starts; returns the number of frames.
-std::uint64_t check(const scene::Job& job) {
+std::uint64_t check(const scene::Job& job, bool begins_here = true) {
   scene::SceneOverrides overrides;
   overrides.set = job.set;
   if (!job.clip.empty()) overrides.clip = job.clip;
   std::uint64_t frames = 0;
   try {
-    frames = scene::frame_count(scene::load_scene(job.scene, overrides));
+    const scene::Scene scene = scene::load_scene(job.scene, overrides);
+    if (!begins_here) refuse_relative_inputs(scene);
+    frames = scene::frame_count(scene);
   } catch (const scene::SceneError& error) {
     throw scene::SceneError("job." + job.name + ": " + error.what());
   }
@@ -92,10 +103,11 @@ ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
 FarmBatch farm_batch(const BatchArguments& arguments) {
   // Beyond this, another task next to a bake is worth more than further threads.
   constexpr unsigned threads = 4;
+  const fs::path list = fs::absolute(arguments.jobs).lexically_normal();
   FarmBatch batch{.program = fs::read_symlink("/proc/self/exe"),
-                  .list = fs::absolute(arguments.jobs).lexically_normal(),
+                  .list = list,
                   .here = fs::current_path(),
-                  .jobs = scene::read_jobs(arguments.jobs),
+                  .jobs = scene::read_jobs(list),  // by the path that the tasks get
                   .device = arguments.many.devices,
                   .threads = arguments.many.threads > 0 ? arguments.many.threads : threads,
                   .at_once = arguments.many.at_once};
@@ -106,8 +118,10 @@ FarmBatch farm_batch(const BatchArguments& arguments) {
   batch.is_gpu = devices.front().kind == DeviceRequest::Kind::vulkan;
   refuse_control_characters("--slurm", arguments.slurm_options);
   for (const fs::path& path :
-       {batch.program, batch.list, batch.here, batch.jobs.output, fs::absolute(arguments.output)})
+       {batch.program, batch.list, batch.here, batch.jobs.output, fs::absolute(arguments.output)}) {
     refuse_control_characters(path.string(), path.string());
+    refuse_path_not_utf8(path);
+  }
   return batch;
 }
 
@@ -145,7 +159,7 @@ ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
                      ": was already submitted to Slurm; --resume rewrites it for what is not done");
   std::vector<FarmJob> jobs;
   for (const scene::Job& job : batch.jobs.jobs) {
-    jobs.push_back({bake_of(job).model, check(job)});
+    jobs.push_back({bake_of(job).model, check(job, is_slurm)});
     if (!arguments.many.resume && bake::holds_bake(batch.jobs.output / job.name))
       throw bake::FolderInUse((batch.jobs.output / job.name).string() +
                               ": holds a bake; --resume bakes what is not done, or choose another output");

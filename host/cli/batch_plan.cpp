@@ -4,6 +4,7 @@
 #include <charconv>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,8 @@
 #include "host/base/file.h"
 #include "host/base/json_text.h"
 #include "host/base/nearest_name.h"
+#include "host/base/text.h"
+#include "host/cli/batch_summary.h"
 #include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
@@ -19,17 +22,25 @@ namespace {
 namespace fs = std::filesystem;
 using PlanJson = nlohmann::ordered_json;
 
+base::BakeError damaged_plan(const fs::path& folder, const std::string& why = {}) {
+  return base::BakeError((folder / plan_file).string() + ": is damaged" + why +
+                         "; give the list of jobs instead of the folder");
+}
+
 BatchPlan read_plan(const fs::path& folder) {
   const std::string text = base::read_input(folder / plan_file, base::most_json_bytes);
   try {
     const PlanJson json = PlanJson::parse(base::shallow_json(text));
     BatchPlan plan{.folder = folder, .output = json.at("output").get<std::string>()};
-    for (const PlanJson& job : json.at("jobs"))
+    for (const PlanJson& job : json.at("jobs")) {
       plan.jobs.push_back({job.at("job"), job.at("scene"), job.at("clip"), job.at("set"), job.at("format")});
+      // The plan may come from a stranger, and a job's name becomes a path.
+      if (const std::string& name = plan.jobs.back().name; !scene::is_job_name(name))
+        throw damaged_plan(folder, ": \"" + name.substr(0, 200) + "\" is not a job's name");
+    }
     return plan;
   } catch (const PlanJson::exception&) {
-    throw base::BakeError((folder / plan_file).string() +
-                          ": is damaged; give the list of jobs instead of the folder");
+    throw damaged_plan(folder);
   }
 }
 
@@ -47,15 +58,22 @@ BatchPlan find_plan(const fs::path& path) {
     return {.output = std::move(jobs.output), .jobs = std::move(jobs.jobs)};
   }
   if (fs::exists(path / plan_file)) return read_plan(path);
-  std::optional<std::vector<SummaryRow>> known = read_batch_summary(path);
+  const std::optional<std::vector<SummaryRow>> known = read_batch_summary(path);
   if (!known)
     throw base::BakeError(path.string() + ": contains neither " + scene::batch_summary + " nor " + plan_file +
                           ", so no batch was started there; give its list of jobs");
   BatchPlan plan{.output = path};
   for (const SummaryRow& row : *known)
     plan.jobs.push_back({row.job, row.scene, row.clip, row.set, row.formats});
-  plan.known = std::move(*known);
   return plan;
+}
+
+void refuse_path_not_utf8(const fs::path& path) {
+  const std::string text = path.string();
+  for (std::string_view rest = text; !rest.empty();)
+    if (!base::take_code_point(rest))
+      throw UsageError(text +
+                       ": this path is not UTF-8, which --emit cannot write down; rename the folder or file");
 }
 
 void write_plan(const fs::path& folder, const fs::path& list, const scene::Jobs& jobs) {

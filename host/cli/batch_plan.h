@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/batch_summary.h"
 #include "host/scene/jobs.h"
 
 namespace fascicle::cli {
@@ -18,13 +17,14 @@ struct BatchPlan {
   std::filesystem::path folder = {};  // written by --emit; empty if the path was something else
   std::filesystem::path output = {};
   std::vector<scene::Job> jobs = {};
-  std::vector<SummaryRow> known = {};  // from batch.json
 };
 
 // Reads a list of jobs, a folder with plan.json or one with batch.json. Throws base::BakeError if there is
 // neither, scene::SceneError if the list cannot be read.
 BatchPlan find_plan(const std::filesystem::path& path);
 
+// Throws UsageError for a path that plan.json or a template cannot hold: JSON is UTF-8.
+void refuse_path_not_utf8(const std::filesystem::path& path);
 void write_plan(const std::filesystem::path& folder, const std::filesystem::path& list,
                 const scene::Jobs& jobs);
 

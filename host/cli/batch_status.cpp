@@ -1,11 +1,13 @@
 // fascicle batch status: the state of each job, and the merged summary.
 #include "host/cli/batch_status.h"
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -108,26 +110,38 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
 
 }  // namespace
 
-JobState state_of(const fs::path& output, SummaryRow job) {
-  JobState state{std::move(job), {}};
+JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file_time_type> summary_written) {
+  JobState state{.row = std::move(job)};
   SummaryRow& row = state.row;
+  // The times first: a file that is replaced meanwhile must not count as newer than what was read.
+  const auto recorded = time_of(job_record_file(output, row.job));
+  const auto written = time_of(row.folder / bake::manifest_name);
   std::optional<bake::ManifestSummary> manifest;
   try {
     manifest = bake::read_manifest(row.folder);
   } catch (const base::InputError& error) {
-    row.warnings.emplace_back(error.what());  // affects only this job
+    state.unreadable.emplace_back(error.what());  // affects only this job
   }
   const std::optional<JobRecord> record = read_job_record(output, row.job);
-  const auto recorded = time_of(job_record_file(output, row.job));
-  const auto written = time_of(row.folder / bake::manifest_name);
+  if (recorded && !record)
+    state.unreadable.push_back(job_record_file(output, row.job).string() +
+                               ": is damaged, and does not count");
+  const auto is_newer = [](const auto& time, const auto& other) {
+    return time && (!other || *time >= *other);
+  };
+  const bool summary_is_newest =
+      row.exit_status && is_newer(summary_written, written) && is_newer(summary_written, recorded);
   if (manifest) {
     row.seconds = manifest->timings.total;
     row.hash = manifest->last_position_hash;
-    row.device = manifest->device;
     row.warnings = manifest->warnings;
+    if (!summary_is_newest) row.device = manifest->device;
   }
-  const bool record_is_newer = record && (!written || (recorded && *recorded >= *written));
-  if (record_is_newer && record->exit_status) {
+  row.warnings.insert(row.warnings.end(), state.unreadable.begin(), state.unreadable.end());
+  const bool record_is_newer = record && is_newer(recorded, written);
+  if (summary_is_newest) {
+    // The row has it.
+  } else if (record_is_newer && record->exit_status) {
     row.exit_status = record->exit_status;
     row.error = record->error;
     row.device = record->device;
@@ -135,6 +149,7 @@ JobState state_of(const fs::path& output, SummaryRow job) {
     take_manifest(*manifest, state);
   } else if (record) {
     row.exit_status.reset();
+    row.error.clear();
     row.device = record->device;
   }
   put_into_words(manifest, runs(output, row, record), manifest || record, state);
@@ -144,11 +159,7 @@ JobState state_of(const fs::path& output, SummaryRow job) {
 ExitCode code_of(const std::vector<JobState>& jobs) {
   bool all_done = true;
   for (const JobState& job : jobs) {
-    if (job.row.status == "failed" && job.row.exit_status) {
-      const int status = *job.row.exit_status;
-      return status <= static_cast<int>(ExitCode::difference) ? static_cast<ExitCode>(status)
-                                                              : ExitCode::unforeseen;
-    }
+    if (job.row.status == "failed" && job.row.exit_status) return code_of_failure(*job.row.exit_status);
     all_done = all_done && job.row.status == "done";
   }
   return all_done ? ExitCode::done : ExitCode::interrupted;
@@ -166,8 +177,8 @@ struct StatusArguments {
 std::string count_line(const fs::path& output, const std::vector<JobState>& jobs) {
   std::map<std::string, std::size_t> count;
   for (const JobState& job : jobs) ++count[job.row.status];
-  std::string line =
-      std::to_string(jobs.size()) + (jobs.size() == 1 ? " job in " : " jobs in ") + output.string() + ":";
+  std::string line = std::to_string(jobs.size()) + (jobs.size() == 1 ? " job in " : " jobs in ") +
+                     shown_text(output.string()) + ":";
   const char* before = " ";
   for (const char* word : {"done", "running", "interrupted", "cut off", "failed", "not begun"})
     if (count[word] > 0) {
@@ -177,35 +188,72 @@ std::string count_line(const fs::path& output, const std::vector<JobState>& jobs
   return line;
 }
 
+// What batch.json says of each job, and when it was written.
+struct KnownJobs {
+  std::optional<fs::file_time_type> written;
+  std::map<std::string, SummaryRow> rows = {};
+};
+
+KnownJobs known_jobs(const fs::path& output, Log& log) {
+  const fs::path file = output / scene::batch_summary;
+  KnownJobs known{.written = time_of(file)};
+  try {
+    for (SummaryRow& row : read_batch_summary(output).value_or(std::vector<SummaryRow>())) {
+      std::string name = row.job;
+      known.rows.emplace(std::move(name), std::move(row));
+    }
+  } catch (const std::runtime_error&) {
+    log.warning(file.string() + ": is damaged or of another program, and does not count");
+  }
+  return known;
+}
+
+// A plan may come from a stranger, and name any folder. Its tasks have left records in its own.
+void refuse_foreign_output(const BatchPlan& plan) {
+  const bool has_begun = std::any_of(plan.jobs.begin(), plan.jobs.end(), [&](const scene::Job& job) {
+    return read_job_record(plan.output, job.name).has_value();
+  });
+  if (!has_begun)
+    throw UsageError((plan.folder / plan_file).string() + ": none of its jobs has begun in " +
+                     plan.output.string() +
+                     ", so --merge writes nothing there; if that folder is right, give "
+                     "it with --output");
+}
+
+void merge_jobs(const StatusArguments& arguments, const BatchPlan& plan, const std::vector<JobState>& jobs,
+                const std::string& report, Log& log) {
+  if (!plan.folder.empty() && arguments.output.empty()) refuse_foreign_output(plan);
+  refuse_foreign_summary(plan.output, "move it away, and merge again");
+  std::vector<SummaryRow> rows;
+  for (const JobState& job : jobs) rows.push_back(job.row);
+  bake::make_folder(plan.output);
+  write_batch_summary(plan.output, rows);
+  log.info("wrote " + (plan.output / scene::batch_summary).string());
+  if (plan.folder.empty()) return;
+  base::write_whole(plan.folder / "report.txt", report);
+  log.info("wrote " + (plan.folder / "report.txt").string());
+}
+
 ExitCode say_status(const StatusArguments& arguments, Log& log) {
   BatchPlan plan = find_plan(arguments.batch);
   if (!arguments.output.empty()) plan.output = arguments.output;
+  const KnownJobs known = known_jobs(plan.output, log);
   std::vector<JobState> jobs;
   for (const scene::Job& job : plan.jobs) {
     SummaryRow row{job.name, plan.output / job.name, job.scene, job.clip, job.set, job.formats};
-    for (const SummaryRow& known : plan.known)
-      if (known.job == job.name) {
-        row.exit_status = known.exit_status;
-        row.error = known.error;
-        row.device = known.device;
-      }
-    jobs.push_back(state_of(plan.output, std::move(row)));
+    if (const auto found = known.rows.find(job.name); found != known.rows.end()) {
+      row.exit_status = found->second.exit_status;
+      row.error = found->second.error;
+      row.device = found->second.device;
+    }
+    jobs.push_back(state_of(plan.output, std::move(row), known.written));
+    for (const std::string& why : jobs.back().unreadable) log.warning(job.name + ": " + why);
   }
   std::vector<std::pair<std::string, std::string>> lines;
   for (const JobState& job : jobs) lines.emplace_back(job.row.job, job.text);
   const std::string report = count_line(plan.output, jobs) + "\n" + columns_text(lines);
   std::cout << report;
-  if (arguments.merge) {
-    std::vector<SummaryRow> rows;
-    for (const JobState& job : jobs) rows.push_back(job.row);
-    bake::make_folder(plan.output);
-    write_batch_summary(plan.output, rows);
-    log.info("wrote " + (plan.output / scene::batch_summary).string());
-    if (!plan.folder.empty()) {
-      base::write_whole(plan.folder / "report.txt", report);
-      log.info("wrote " + (plan.folder / "report.txt").string());
-    }
-  }
+  if (arguments.merge) merge_jobs(arguments, plan, jobs, report, log);
   return code_of(jobs);
 }
 

@@ -15,12 +15,15 @@ namespace fascicle::cli {
 // The state of one job. `row.status` is one word, `text` a line.
 struct JobState {
   SummaryRow row;
-  std::string text;
+  std::string text = {};
+  std::vector<std::string> unreadable = {};  // which of its files cannot be read, and why
 };
 
-// `job` must have its name, its folder and its settings; it may have the `exit_status` and `error` of an
-// earlier run. The rest comes from the bake's manifest or the job's record, whichever is newer.
-JobState state_of(const std::filesystem::path& output, SummaryRow job);
+// `job` must have its name, its folder and its settings. If batch.json, as written at this time, says how the
+// job's last run ended, it also has its `exit_status`, `error` and `device`. The newest counts of that, the
+// bake's manifest and the job's record.
+JobState state_of(const std::filesystem::path& output, SummaryRow job,
+                  std::optional<std::filesystem::file_time_type> summary_written);
 
 // The batch's exit status: that of its first failure, or else `interrupted` if a job is not done.
 ExitCode code_of(const std::vector<JobState>& jobs);

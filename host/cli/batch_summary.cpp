@@ -15,9 +15,27 @@ namespace {
 
 using SummaryJson = nlohmann::ordered_json;
 
-base::BakeError damaged(const std::filesystem::path& output) {
-  return base::BakeError((output / scene::batch_summary).string() +
-                         ": is damaged; give the list of jobs instead of the folder");
+// `why` is empty or ends the sentence.
+base::BakeError damaged(const std::filesystem::path& output, const std::string& why = {}) {
+  return base::BakeError((output / scene::batch_summary).string() + ": is damaged" + why +
+                         "; give the list of jobs instead of the folder");
+}
+
+SummaryRow row_of(const SummaryJson& json, const std::filesystem::path& output) {
+  const std::string job = json.at("job");
+  if (!scene::is_job_name(job)) throw damaged(output, ": \"" + job.substr(0, 200) + "\" is not a job's name");
+  const SummaryJson& status = json.at("exit_status");
+  if (!status.is_null() && !is_exit_status(status))
+    throw damaged(output, ": the exit status of " + job + " is not one of 0 to 255");
+  return {.job = job,
+          .folder = output / job,
+          .scene = json.at("scene"),
+          .clip = json.at("clip"),
+          .set = json.at("set"),
+          .formats = json.at("format"),
+          .device = json.at("device"),
+          .exit_status = status.is_null() ? std::optional<int>() : status.get<int>(),
+          .error = json.at("error")};
 }
 
 }  // namespace
@@ -52,20 +70,25 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
     std::vector<SummaryRow> rows;
     const SummaryJson summary = SummaryJson::parse(base::shallow_json(*text));
     if (!summary.is_object() || bake::is_damaged(summary)) throw damaged(output);
-    for (const SummaryJson& row : summary.at("jobs"))
-      rows.push_back({.job = row.at("job"),
-                      .folder = output / row.at("job").get<std::string>(),
-                      .scene = row.at("scene"),
-                      .clip = row.at("clip"),
-                      .set = row.at("set"),
-                      .formats = row.at("format"),
-                      .device = row.at("device"),
-                      .exit_status = row.at("exit_status").is_null() ? std::optional<int>()
-                                                                     : row.at("exit_status").get<int>(),
-                      .error = row.at("error")});
+    for (const SummaryJson& row : summary.at("jobs")) rows.push_back(row_of(row, output));
+    if (rows.empty()) throw damaged(output, ": it lists no jobs");
     return rows;
   } catch (const SummaryJson::exception&) {
     throw damaged(output);
+  }
+}
+
+void refuse_foreign_summary(const std::filesystem::path& output, const std::string& remedy) {
+  const auto refuse = [&](const std::string& why) {
+    throw base::BakeError((output / scene::batch_summary).string() + ": would be replaced, but " + why +
+                          "; " + remedy);
+  };
+  try {
+    (void)read_batch_summary(output);
+  } catch (const base::BakeError&) {
+    refuse("is damaged or of another program");
+  } catch (const base::InputError& error) {
+    refuse(error.reason);
   }
 }
 
@@ -73,6 +96,12 @@ std::string word_of_status(int exit_status) {
   if (exit_status == static_cast<int>(ExitCode::done)) return "done";
   if (exit_status == static_cast<int>(ExitCode::interrupted)) return "interrupted";
   return "failed";
+}
+
+ExitCode code_of_failure(int exit_status) {
+  const bool is_ours = exit_status > static_cast<int>(ExitCode::done) &&
+                       exit_status <= static_cast<int>(ExitCode::device_failed);
+  return is_ours ? static_cast<ExitCode>(exit_status) : ExitCode::unforeseen;
 }
 
 }  // namespace fascicle::cli

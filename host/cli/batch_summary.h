@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/cli/exit_codes.h"
+
 namespace fascicle::cli {
 
 // One job. `status` is done, running, interrupted, cut off, failed or not begun.
@@ -24,10 +26,22 @@ struct SummaryRow {
 // Atomically replaces the file in the batch's output folder.
 void write_batch_summary(const std::filesystem::path& output, const std::vector<SummaryRow>& rows);
 // The settings of each job, and how its last run ended. nullopt if the file does not exist. Throws
-// bake::BakeError if it is damaged.
+// base::BakeError if it is damaged, or holds what write_batch_summary never writes: it may come from a
+// stranger, and a job's name becomes a path.
 std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem::path& output);
+// Before it is replaced. Throws base::BakeError if there is a batch.json that cannot be read, as it may
+// belong to another program; `remedy` says what to do.
+void refuse_foreign_summary(const std::filesystem::path& output, const std::string& remedy);
 
 // "done", "interrupted" or "failed", for this exit status.
 std::string word_of_status(int exit_status);
+// The exit status of a batch whose first failure is a job with this one.
+ExitCode code_of_failure(int exit_status);
+
+// Whether a process can end with this status, which a file gives.
+template <class Json>
+bool is_exit_status(const Json& value) {
+  return value.is_number_integer() && value >= 0 && value <= 255;
+}
 
 }  // namespace fascicle::cli

@@ -11,6 +11,7 @@
 #include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/base/json_text.h"
+#include "host/cli/batch_summary.h"
 
 namespace fascicle::cli {
 
@@ -43,8 +44,10 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
     const nlohmann::json json = nlohmann::json::parse(base::shallow_json(text), nullptr, false);
     JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},
                      json.at("error"), json.at("warnings")};
-    if (const nlohmann::json& status = json.at("exit_status"); !status.is_null())
+    if (const nlohmann::json& status = json.at("exit_status"); !status.is_null()) {
+      if (!is_exit_status(status)) return std::nullopt;
       record.exit_status = status.get<int>();
+    }
     return record;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;

@@ -184,6 +184,8 @@ class Batch {
                                 ": holds a bake; --resume bakes what is not done, --overwrite "
                                 "bakes everything again");
     }
+    if (!asked_.overwrite && !asked_.is_part)
+      refuse_foreign_summary(asked_.output, "move it away, or bake everything again with --overwrite");
   }
 
   std::vector<std::string> command_of(const OneBake& job, const Device& device) const {
@@ -442,11 +444,7 @@ class Batch {
   // The status of the first failure, since the others may follow from it.
   ExitCode code(bool interrupted) const {
     for (const Outcome& outcome : outcomes_)
-      if (word_of(outcome) == "failed") {
-        const int status = *outcome.status;
-        return status <= static_cast<int>(ExitCode::device_failed) ? static_cast<ExitCode>(status)
-                                                                   : ExitCode::unforeseen;
-      }
+      if (word_of(outcome) == "failed") return code_of_failure(*outcome.status);
     const bool are_done = std::all_of(outcomes_.begin(), outcomes_.end(),
                                       [](const Outcome& outcome) { return word_of(outcome) == "done"; });
     if (!interrupted && are_done) return ExitCode::done;

@@ -17,6 +17,11 @@ namespace {
 // More would take weeks, and are surely a mistake.
 constexpr std::size_t most_jobs = 10'000;
 constexpr std::size_t longest_job_name = 200;
+// Every job has its own copy of its texts, so without limits a small file could fill the memory. No honest
+// list comes near them.
+constexpr std::size_t longest_text = std::size_t{64} << 10;  // bytes
+constexpr std::size_t most_text = std::size_t{64} << 20;     // bytes, of all jobs
+constexpr const char* too_long = "has a text of more than 65,536 bytes; write long values into a scene file";
 // For a folder, whose name may also get a job's name as prefix and numbers as suffix.
 constexpr std::size_t longest_clip_name = 80;
 
@@ -31,6 +36,7 @@ std::string text_at(const toml::table& table, const std::string& path, const cha
   if (node == nullptr) return {};
   const auto text = node->value<std::string>();
   if (!node->is_string() || text->empty()) fail(node->source(), join_path(path, key), "takes a text");
+  if (text->size() > longest_text) fail(node->source(), join_path(path, key), too_long);
   return *text;
 }
 
@@ -44,6 +50,8 @@ std::vector<std::string> texts_at(const toml::table& table, const std::string& p
       if (entry.is_string()) texts.push_back(*entry.value<std::string>());
   if (array == nullptr || texts.size() != array->size() || texts.empty())
     fail(node->source(), join_path(path, key), "takes a list of texts, one or more");
+  if (std::any_of(texts.begin(), texts.end(), [](const auto& text) { return text.size() > longest_text; }))
+    fail(node->source(), join_path(path, key), too_long);
   return texts;
 }
 
@@ -82,11 +90,15 @@ std::string in_lower_case(std::string text) {
   return text;
 }
 
+bool every_file_system_allows(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '_';
+}
+
 // Keeps the characters that every file system allows in a name.
 std::string file_name(const std::string& text) {
   std::string name;
   for (const char c : text) {
-    const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '_';
+    const bool kept = every_file_system_allows(c);
     if (kept) name += c;
     if (!kept && c != '"' && !name.empty() && name.back() != '_') name += '_';
   }
@@ -94,22 +106,68 @@ std::string file_name(const std::string& text) {
   return name;
 }
 
-// One copy of each job for each value of another key.
-std::vector<Job> varied(const std::vector<Job>& jobs, const toml::key& key, const toml::node& node,
-                        const std::string& path) {
+// Jobs, and the memory that they take.
+struct MadeJobs {
+  std::vector<Job> jobs = {};
+  std::size_t bytes = 0;
+};
+
+std::size_t bytes_of(const std::vector<std::string>& texts) {
+  std::size_t bytes = 0;
+  for (const std::string& text : texts) bytes += sizeof text + text.size();
+  return bytes;
+}
+
+std::size_t bytes_of(const Job& job) {
+  return sizeof job + job.name.size() + job.scene.size() + job.clip.size() + bytes_of(job.set) +
+         bytes_of(job.formats);
+}
+
+// Before they are made: whether the list may have these jobs besides those of earlier tables.
+void check_total(const toml::node& node, const std::string& path, const MadeJobs& before, std::size_t jobs,
+                 std::size_t bytes) {
+  if (jobs > most_jobs - before.jobs.size())
+    fail(node.source(), path, "makes more than 10,000 bakes; make several lists");
+  if (bytes > most_text - before.bytes)
+    fail(node.source(), path,
+         "makes bakes with more than 64 MiB of text in all; shorten it, or make several lists");
+}
+
+// Makes one copy of each job for each value of another key.
+void vary(const toml::key& key, const toml::node& node, const std::string& path, const MadeJobs& before,
+          MadeJobs& made) {
   const toml::array* values = node.as_array();
   if (values == nullptr || values->empty())
     fail(node.source(), join_path(path, key.str()), "takes a list of values, one or more");
+  check_total(node, path, before, made.jobs.size() * values->size(), made.bytes);
+  struct Value {
+    std::string setting, name;
+  };
+  std::vector<Value> taken;
+  std::size_t bytes = made.bytes * values->size();
+  for (const toml::node& value : *values) {
+    const std::string text = value_text(value);
+    taken.push_back(
+        {std::string(key.str()) + "=" + text, values->size() > 1 ? "-" + file_name(text) : std::string()});
+    const Value& one = taken.back();
+    if (one.setting.size() > longest_text) fail(value.source(), join_path(path, key.str()), too_long);
+    bytes += made.jobs.size() * (sizeof one.setting + one.setting.size() + one.name.size());
+  }
+  check_total(node, path, before, made.jobs.size() * values->size(), bytes);
+  made.bytes = bytes;
+  if (taken.size() == 1) {
+    // With many such keys, copying the jobs for each would take long.
+    for (Job& job : made.jobs) job.set.push_back(taken.front().setting);
+    return;
+  }
   std::vector<Job> all;
-  for (const Job& job : jobs)
-    for (const toml::node& value : *values) {
-      Job one = job;
-      one.set.push_back(std::string(key.str()) + "=" + value_text(value));
-      if (values->size() > 1) one.name += "-" + file_name(value_text(value));
-      all.push_back(std::move(one));
+  for (const Job& job : made.jobs)
+    for (const Value& one : taken) {
+      all.push_back(job);
+      all.back().set.push_back(one.setting);
+      all.back().name += one.name;
     }
-  if (all.size() > most_jobs) fail(node.source(), path, "makes more than 10,000 bakes");
-  return all;
+  made.jobs = std::move(all);
 }
 
 // The clips that `clips` names. For "all", reads the character.
@@ -122,6 +180,8 @@ std::vector<NamedClip> clips_of(const toml::table& table, const std::string& pat
     wanted = {*text};
   } else {
     wanted = texts_at(table, path, "clips");
+    if (wanted.size() > most_jobs)
+      fail(node->source(), join_path(path, "clips"), "makes more than 10,000 bakes; make several lists");
   }
   if (wanted != std::vector<std::string>{"all"}) {
     std::vector<NamedClip> clips;
@@ -141,8 +201,9 @@ std::vector<NamedClip> clips_of(const toml::table& table, const std::string& pat
   }
 }
 
-std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
-                         const std::filesystem::path& folder, const Job& of_all) {
+MadeJobs jobs_of(const std::string& name, const toml::table& table, const std::filesystem::path& folder,
+                 const Job& of_all, const MadeJobs& before) {
+  if (name.size() > longest_text) fail(table.source(), "job", too_long);
   const std::string path = join_path("job", name);
   check_keys(table, path, {"scene", "clips", "set", "format", "keep_frames", "vary"});
   Job job{.name = file_name(name),
@@ -158,17 +219,21 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
   if (job.formats.empty()) job.formats = of_all.formats;
 
   const std::vector<NamedClip> clips = clips_of(table, path, job);
-  std::vector<Job> jobs;
+  MadeJobs made{.bytes = bytes_of(job) * std::max<std::size_t>(clips.size(), 1)};
+  for (const NamedClip& clip : clips) made.bytes += clip.clip.size() + clip.file_name.size() + 1;
+  check_total(table, path, before, std::max<std::size_t>(clips.size(), 1), made.bytes);
   for (const NamedClip& clip : clips) {
-    jobs.push_back(job);
-    jobs.back().clip = clip.clip;
-    if (clips.size() > 1) jobs.back().name += "-" + clip.file_name;
+    made.jobs.push_back(job);
+    made.jobs.back().clip = clip.clip;
+    if (clips.size() > 1) made.jobs.back().name += "-" + clip.file_name;
   }
-  if (clips.empty()) jobs.push_back(job);
-  if (const toml::node* vary = table.get("vary"))
-    for (const auto& [key, node] : in_order(table_of(*vary, join_path(path, "vary"))))
-      jobs = varied(jobs, *key, *node, join_path(path, "vary"));
-  return jobs;
+  if (clips.empty()) made.jobs.push_back(job);
+  if (const toml::node* values = table.get("vary")) {
+    const std::string path_of_values = join_path(path, "vary");
+    for (const auto& [key, node] : in_order(table_of(*values, path_of_values)))
+      vary(*key, *node, path_of_values, before, made);
+  }
+  return made;
 }
 
 toml::table parse(const std::filesystem::path& file) {
@@ -180,6 +245,11 @@ toml::table parse(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+bool is_job_name(std::string_view name) {
+  return !name.empty() && name.front() != '.' && name.size() <= longest_job_name && name != batch_summary &&
+         std::all_of(name.begin(), name.end(), every_file_system_allows);
+}
 
 Jobs read_jobs(const std::filesystem::path& file) {
   const toml::table root = parse(file);
@@ -193,20 +263,23 @@ Jobs read_jobs(const std::filesystem::path& file) {
   const toml::node* list = root.get("job");
   if (list == nullptr) fail(root.source(), "job", "is missing; give at least one [job.NAME]");
   std::set<std::string> names;  // in lower case, since some file systems ignore case
+  MadeJobs all;
   for (const auto& [name, node] : in_order(table_of(*list, "job"))) {
     const std::string path = join_path("job", name->str());
-    for (Job& job : jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), of_all)) {
-      if (job.name.front() == '.' || job.name.size() > longest_job_name || job.name == batch_summary)
+    MadeJobs made = jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), of_all, all);
+    all.bytes += made.bytes;
+    for (Job& job : made.jobs) {
+      if (!is_job_name(job.name))
         fail(name->source(), path,
-             "makes a bake called " + job.name +
+             "makes a bake called " + job.name.substr(0, longest_job_name) +
                  ", which cannot be a folder name; choose another, of at most 200 characters");
       if (!names.insert(in_lower_case(job.name)).second)
         fail(name->source(), path, "makes a second bake called " + job.name + "; give it another name");
-      jobs.jobs.push_back(std::move(job));
+      all.jobs.push_back(std::move(job));
     }
   }
-  if (jobs.jobs.empty()) fail(list->source(), "job", "is empty; give at least one [job.NAME]");
-  if (jobs.jobs.size() > most_jobs) fail(list->source(), "job", "makes more than 10,000 bakes");
+  if (all.jobs.empty()) fail(list->source(), "job", "is empty; give at least one [job.NAME]");
+  jobs.jobs = std::move(all.jobs);
   return jobs;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/scene/scene.h"
@@ -12,9 +13,13 @@ namespace fascicle::scene {
 // The result of each job, written to `output` next to the jobs' folders.
 inline constexpr const char* batch_summary = "batch.json";
 
+// Whether a bake of a list, or a clip's, can have this name. Its folder in `output` is called so: it is no
+// path to elsewhere, not hidden, and not that of the result.
+bool is_job_name(std::string_view name);
+
 // One bake.
 struct Job {
-  std::string name;   // a file name
+  std::string name;   // is_job_name
   std::string scene;  // an existing file, or a built-in name
   std::string clip;   // empty: the first
   std::vector<std::string> set;

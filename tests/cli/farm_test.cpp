@@ -250,6 +250,26 @@ TEST(BatchFarm, RefusesWhatItCannotHandOver) {
   EXPECT_FALSE(fs::exists(farm.job() + "/submitted"));
 }
 
+// plan.json and templates are UTF-8, so tasks and status would look in another folder.
+TEST(BatchFarm, RefusesPathsThatAreNotUtf8) {
+  const Farm farm;
+  const std::string home = farm.folder / "caf\xe9";
+  fs::create_directory(home);
+  write_text(home + "/jobs.toml", four_bars);
+  const auto expect_refusal = [](const std::string& list, const std::string& format, const std::string& to) {
+    const Outcome outcome = fascicle({"batch", list, "--emit", format, "-o", to});
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "caf\\xe9")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "not UTF-8")) << outcome.err;
+    EXPECT_FALSE(fs::exists(to)) << to;
+  };
+  for (const char* format : {"slurm", "openjd"}) {
+    const std::string name = format == std::string("slurm") ? "/job" : "/template.json";
+    expect_refusal(home + "/jobs.toml", format, farm.home.string() + name);
+    expect_refusal(farm.list(), format, home + name);
+  }
+}
+
 TEST(BatchFarm, ADryRunWritesNothing) {
   const Farm farm(bars_and_bears);
   const Outcome outcome = emit(farm, {"--dry-run"});

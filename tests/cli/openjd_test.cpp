@@ -6,6 +6,7 @@
 // them: keys, lengths, characters, and which names may be referenced where.
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <set>
@@ -14,6 +15,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "tests/cli/program.h"
 
@@ -282,6 +284,41 @@ TEST(OpenJd, TasksBakeAndSayHowFarTheyAre) {
   const Outcome merged = fascicle(command_of_step(whole, 1, ""));
   EXPECT_EQ(merged.status, 0) << merged.out << merged.err;
   EXPECT_TRUE(fs::exists(folder.path() / "a farm's {{Param.Jobs}}/out/batch.json"));
+}
+
+// A task begins in a folder that the farm chooses.
+TEST(OpenJd, RefusesFilesThatATaskWouldNotFind) {
+  const TemporaryFolder folder;
+  const std::string mine = std::string(FASCICLE_SOURCE_DIR) + "/scenes/bar-hang-none.toml";
+  for (const char* name : {"list", "work"}) fs::create_directory(folder.path() / name);
+  write_text(
+      folder / "list/jobs.toml",
+      "output = \"" + (folder / "out") + "\"\n[job.bar]\nscene = \"mine.toml\"\nset = [\"scene.end=0.2\"]\n");
+  fs::copy_file(mine, folder / "work/mine.toml");
+  const auto run_from = [&](const std::string& here, const std::vector<std::string>& arguments) {
+    std::string command =
+        "cd '" + here + "' && FASCICLE_CACHE_DIR='" + (folder / "cache") + "' '" + FASCICLE_PROGRAM + "'";
+    for (const std::string& word : arguments) command += " '" + word + "'";
+    const int status = std::system((command + " > '" + (folder / "said") + "' 2>&1").c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  const std::string work = folder / "work";
+  const std::vector<std::string> emit{"batch", "../list/jobs.toml", "--emit", "openjd",
+                                      "-o",    "../template.json"};
+  EXPECT_EQ(run_from(work, emit), 3);
+  const std::string said = read_text(folder / "said");
+  EXPECT_TRUE(contains(said, "job.bar: mine.toml: was found from the current folder")) << said;
+  EXPECT_FALSE(fs::exists(folder / "template.json"));
+  // Slurm's script returns to the folder.
+  EXPECT_EQ(run_from(work, {"batch", "../list/jobs.toml", "--emit", "slurm", "-o", "../job"}), 0)
+      << read_text(folder / "said");
+  EXPECT_TRUE(contains(read_text(folder / "job/array.sbatch"), "/work' || exit 1\n"));
+
+  fs::copy_file(mine, folder / "list/mine.toml");
+  ASSERT_EQ(run_from(work, emit), 0) << read_text(folder / "said");
+  const OpenJson whole = OpenJson::parse(read_text(folder / "template.json"));
+  EXPECT_EQ(run_from("/", command_of_step(whole, 0, "bar")), 0) << read_text(folder / "said");
+  EXPECT_TRUE(fs::exists(folder / "out/bar/manifest.json"));
 }
 
 TEST(OpenJd, ABakeSaysItsShareAndWhyItFailed) {

@@ -118,6 +118,69 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
   EXPECT_THROW((void)scene::read_jobs(folder_ / "nowhere.toml"), scene::SceneError);
 }
 
+// `count` numbers, from 1.
+std::string numbers(std::size_t count) {
+  std::string list;
+  for (std::size_t k = 1; k <= count; ++k) list += std::to_string(k) + ", ";
+  return "[" + list + "]";
+}
+
+// A small file must not fill the memory: each bake has its own copy of the texts.
+TEST_F(ReadJobs, RefusesMoreThanAFarmCanBake) {
+  const std::string head = "[job.a]\nscene = \"arm\"\n", vary = "[job.a.vary]\n";
+  const std::string many = "makes more than 10,000 bakes", long_text = "has a text of more than 65,536 bytes",
+                    large = "more than 64 MiB of text";
+  const std::string values = "b = " + numbers(10'000) + "\n";
+  std::string clips, formats, tables;
+  for (int k = 0; k < 10'001; ++k) clips += "\"c" + std::to_string(k) + "\", ";
+  for (int k = 0; k < 1000; ++k) formats += "\"pc2\", ";
+  for (int k = 0; k < 4000; ++k) tables += "[job.t" + std::to_string(k) + "]\nscene = \"arm\"\n";
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {head + vary + values + "c = " + numbers(20'000) + "\n", many},
+      {head + vary + "b = " + numbers(10'001) + "\n", many},
+      {head + "clips = [" + clips + "]\n", many},
+      {head + "clips = [\"x\", \"y\"]\n" + vary + "b = " + numbers(5001) + "\n", many},
+      {head + vary + "b = " + numbers(6000) +
+           "\n[job.b]\nscene = \"arm\"\n[job.b.vary]\nb = " + numbers(6000) + "\n",
+       "job.b.vary: " + many},
+      {head + "set = [\"s=" + std::string(1'000'000, 'x') + "\"]\n" + vary + values, long_text},
+      {"[job.a]\nscene = \"" + std::string(100'000, 'x') + "\"\n", long_text},
+      {head + "clips = [\"" + std::string(100'000, 'x') + "\"]\n", long_text},
+      {head + vary + "b = [\"" + std::string(100'000, 'x') + "\"]\n", long_text},
+      {head + "set = [\"s=" + std::string(60'000, 'x') + "\"]\n" + vary + values, large},
+      {head + vary + "a = [\"" + std::string(60'000, 'x') + "\"]\n" + values, large},
+      {head + vary + values + "c = [\"" + std::string(60'000, 'x') + "\"]\n", large},
+      {"format = [" + formats + "]\n" + tables, large}};
+  for (const auto& [text, reason] : refused)
+    EXPECT_NE(refusal(text).find(reason), std::string::npos)
+        << text.substr(0, 60) << ": " << refusal(text).substr(0, 200);
+}
+
+TEST_F(ReadJobs, TakesALargeFarmsList) {
+  std::string set;
+  for (int k = 0; k < 20; ++k)
+    set += "\"layers.a_layer_with_a_long_name_" + std::to_string(k) + ".youngs_modulus=12345.678\", ";
+  const scene::Jobs read =
+      jobs("[job.a]\nscene = \"arm\"\nset = [" + set +
+           "]\n[job.a.vary]\n\"scene.seed\" = " + numbers(10'000) + "\n\"scene.fps\" = [30]\n");
+  ASSERT_EQ(read.jobs.size(), 10'000u);
+  EXPECT_EQ(read.jobs.back().name, "a-10000");
+  ASSERT_EQ(read.jobs.back().set.size(), 22u);
+  EXPECT_EQ(read.jobs.back().set[20], "scene.seed=10000");
+  EXPECT_EQ(read.jobs.back().set[21], "scene.fps=30");
+}
+
+TEST(JobNames, AreThoseThatAListMakes) {
+  for (const std::string& name : {std::string("a"), std::string("man-walk-0.1"), std::string("A_b"),
+                                  std::string("-1"), std::string(200, 'x')})
+    EXPECT_TRUE(scene::is_job_name(name)) << name;
+  for (const std::string& name :
+       {std::string(), std::string("."), std::string(".."), std::string(".a"), std::string("a/b"),
+        std::string("/a"), std::string("a b"), std::string("a\\b"), std::string("a\n"),
+        std::string("\xc3\xa9"), std::string("a\0b", 3), std::string("batch.json"), std::string(201, 'x')})
+    EXPECT_FALSE(scene::is_job_name(name)) << name;
+}
+
 rig::Character with_clips(const std::vector<std::string>& names) {
   rig::Character character;
   for (const std::string& name : names) character.clips.emplace_back().name = name;
@@ -181,6 +244,7 @@ TEST(NamedClips, HaveFoldersUnlikeEachOther) {
     EXPECT_FALSE(name.empty());
     EXPECT_NE(name.front(), '.') << name;
     EXPECT_LE(name.size(), 200u);
+    EXPECT_TRUE(scene::is_job_name(name)) << name;
     EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-"),
               std::string::npos)
         << name;
