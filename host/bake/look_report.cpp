@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/bake/outputs.h"
+#include "host/base/csv.h"
 #include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
@@ -16,27 +17,10 @@ namespace fascicle::bake {
 
 namespace {
 
-// Reads the cells of one RFC 4180 row. A quoted cell, such as a joint's name, may span lines.
 std::optional<std::vector<std::string>> next_row(std::istream& in) {
-  std::vector<std::string> cells(1);
-  bool quoted = false, any = false;
-  for (int c = in.get(); c != std::char_traits<char>::eof(); c = in.get()) {
-    any = true;
-    if (c == '"') {
-      if (quoted && in.peek() == '"')
-        cells.back() += static_cast<char>(in.get());
-      else
-        quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else if (c == '\n' && !quoted) {
-      return cells;
-    } else {
-      cells.back() += static_cast<char>(c);
-    }
-  }
-  if (!any) return std::nullopt;
-  return cells;
+  std::string line;
+  if (!std::getline(in, line)) return std::nullopt;
+  return base::csv_fields(line);
 }
 
 template <class Number>

@@ -10,6 +10,7 @@
 #include "host/bake/look.h"
 #include "host/bake/outputs.h"
 #include "host/bake/points.h"
+#include "host/base/csv.h"
 #include "host/base/parallel.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
@@ -114,14 +115,6 @@ Point mean_position(const model::Model& model, const model::Frame& frame, const 
   return mean;
 }
 
-// RFC 4180: a name with a comma, a quote or a line break is quoted.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
 class MetricsSink final : public formats::FrameSink {
  public:
   explicit MetricsSink(const LookBody* body) : look_body_(body) {}
@@ -144,8 +137,7 @@ class MetricsSink final : public formats::FrameSink {
       file_.emplace(base::PartFile::start(path));
       file_->write(header);
     } else {
-      const auto lines = static_cast<std::uint64_t>(std::count(header.begin(), header.end(), '\n'));
-      file_.emplace(base::PartFile::resume_lines(path, lines + info.first));
+      file_.emplace(base::PartFile::resume_lines(path, 1 + info.first));
     }
   }
   void write(const model::Frame& frame) override {
@@ -208,7 +200,7 @@ class MetricsSink final : public formats::FrameSink {
     const LookScores scores = look_->of(frame);
     const LookScore& worst = scores.worst();
     line.add(worst.score);
-    line.text += ',' + (worst.score > 0.0 ? csv_text(look_body_->joint_names[worst.joint]) : "");
+    line.text += ',' + (worst.score > 0.0 ? base::csv_field(look_body_->joint_names[worst.joint]) : "");
     for (const LookScore& score : scores.of) line.add(score.score);
   }
 
@@ -216,7 +208,8 @@ class MetricsSink final : public formats::FrameSink {
     std::string line = "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,inverted";
     if (info_.model->has_skeleton()) {
       line += ",inverted_skinned";
-      for (const model::Layer& layer : info_.model->layers) line += ',' + csv_text(lag_column + layer.name);
+      for (const model::Layer& layer : info_.model->layers)
+        line += ',' + base::csv_field(lag_column + layer.name);
     }
     if (overlap_) {
       line += ",contact_vertices,contact_deepest,contact_volume";
@@ -225,9 +218,9 @@ class MetricsSink final : public formats::FrameSink {
     }
     for (const model::Layer& layer : info_.model->layers)
       for (const char* column : {volume_column, volume_ratio_column})
-        line += ',' + csv_text(column + layer.name);
+        line += ',' + base::csv_field(column + layer.name);
     for (const model::ProbeSet& probe : info_.model->probes)
-      for (const char* axis : {"_x", "_y", "_z"}) line += ',' + csv_text(probe.name + axis);
+      for (const char* axis : {"_x", "_y", "_z"}) line += ',' + base::csv_field(probe.name + axis);
     if (look_) {
       line += std::string(",") + look_column + ',' + look_joint_column;
       for (std::size_t m = 0; m < look_measures; ++m)
@@ -260,17 +253,14 @@ std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model:
   std::istringstream file(
       base::read_input_if_there(folder / metrics_name, base::most_metrics_bytes).value_or(""));
   const auto cells = [&file] {
-    std::vector<std::string> found;
     std::string line;
-    if (!std::getline(file, line)) return found;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) found.push_back(cell);
-    return found;
+    return std::getline(file, line) ? base::csv_fields(line) : std::vector<std::string>();
   };
   const std::vector<std::string> header = cells();
   std::vector<std::size_t> columns;
   for (std::uint32_t l = 0; l < model.layers.size(); ++l) {
-    const auto at = std::find(header.begin(), header.end(), lag_column + model.layers[l].name);
+    const std::string column = base::csv_fields(base::csv_field(lag_column + model.layers[l].name)).front();
+    const auto at = std::find(header.begin(), header.end(), column);
     if (at == header.end()) return {};
     columns.push_back(static_cast<std::size_t>(at - header.begin()));
     peaks.push_back({model.layers[l].name, 0.0, 0});

@@ -1,5 +1,8 @@
 #include "host/base/csv.h"
 
+#include "host/base/errors.h"
+#include "host/base/text.h"
+
 namespace fascicle::base {
 
 std::vector<std::string> csv_fields(std::string_view line) {
@@ -13,12 +16,36 @@ std::vector<std::string> csv_fields(std::string_view line) {
     } else if (c == '"') {
       quoted = !quoted;
     } else if (c == ',' && !quoted) {
+      if (fields.size() == most_csv_columns) break;
       fields.emplace_back();
     } else if (c != '\r') {
       fields.back() += c;
     }
   }
   return fields;
+}
+
+std::vector<std::string> csv_columns(std::string_view line, const std::filesystem::path& path) {
+  std::size_t count = 1;
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ',' && !quoted) ++count;
+  }
+  if (count > most_csv_columns)
+    throw BakeError(path.string() + ": has " + number_text(count) +
+                    " columns, the most is 4,096; bake again");
+  return csv_fields(line);
+}
+
+std::string csv_field(std::string_view text) {
+  std::string shown = shown_text(text);
+  if (!shown.empty() && std::string_view("=+-@").find(shown.front()) != std::string_view::npos)
+    shown.insert(shown.begin(), '\'');
+  if (shown.find_first_of(",\"") == std::string::npos) return shown;
+  std::string quoted = "\"";
+  for (const char c : shown) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
 }
 
 }  // namespace fascicle::base

@@ -30,7 +30,7 @@ MetricsTable read_metrics_table(const std::filesystem::path& folder) {
   std::istringstream file(base::read_input_if_there(path, base::most_metrics_bytes).value_or(""));
   std::string line;
   if (!std::getline(file, line)) return table;
-  table.columns = base::csv_fields(line);
+  table.columns = base::csv_columns(line, path);
   if (table.columns.front() != "frame")
     throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");
   table.values.resize(table.columns.size());

@@ -35,7 +35,7 @@ FrameScores read_frame_scores(const fs::path& folder) {
     throw bake::BakeError(
         path.string() +
         ": missing or empty, so the worst frames are unknown; give --frame or --sheet, or bake again");
-  const std::vector<std::string> columns = base::csv_fields(line);
+  const std::vector<std::string> columns = base::csv_columns(line, path);
   if (columns.front() != "frame")
     throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");
   FrameScores scores;

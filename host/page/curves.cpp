@@ -7,11 +7,16 @@
 
 #include "host/bake/outputs.h"
 #include "host/base/csv.h"
+#include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/text.h"
 
 namespace fascicle::page {
 
 namespace {
+
+// Of all curves together. The file's columns and the bake's frames are few bytes each, their product is not.
+constexpr std::uint64_t most_values = 10'000'000;
 
 std::optional<double> number_in(const std::string& text) {
   double value = 0.0;
@@ -46,16 +51,19 @@ const std::vector<Drawn>& drawn_columns() {
 }  // namespace
 
 std::vector<Curve> read_curves(const std::filesystem::path& folder, std::uint64_t frames) {
-  std::istringstream file(
-      base::read_input_if_there(folder / bake::metrics_name, base::most_metrics_bytes).value_or(""));
+  const std::filesystem::path path = folder / bake::metrics_name;
+  std::istringstream file(base::read_input_if_there(path, base::most_metrics_bytes).value_or(""));
   std::string line;
   if (!std::getline(file, line)) return {};
-  const std::vector<std::string> header = base::csv_fields(line);
+  const std::vector<std::string> header = base::csv_columns(line, path);
   std::vector<Curve> curves;
   std::vector<Column> columns;
   const auto add = [&](std::size_t number, const std::string& name, const char* unit, double factor,
                        std::optional<double> limit) {
     columns.push_back({number, factor});
+    if (columns.size() * frames > most_values)
+      throw base::BakeError(path.string() + ": its columns of " + base::number_text(frames) +
+                            " frames are too many for a page; bake a shorter range (--start, --end)");
     curves.push_back({name, unit, std::vector<std::optional<double>>(frames), limit});
   };
   const std::string lag = bake::lag_column;

@@ -16,7 +16,7 @@ struct Curve {
 };
 
 // The curves of a bake with `frames` frames; empty if it has no metrics. Leaves out curves that are 0
-// everywhere.
+// everywhere. Throws BakeError if there are too many columns, or values in all.
 std::vector<Curve> read_curves(const std::filesystem::path& folder, std::uint64_t frames);
 
 }  // namespace fascicle::page

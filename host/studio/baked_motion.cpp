@@ -25,11 +25,11 @@ constexpr float not_known = std::numeric_limits<float>::quiet_NaN();
 std::vector<float> energies_of(const std::filesystem::path& folder, std::uint64_t frames) {
   std::vector<float> energies(frames, not_known);
   try {
-    std::istringstream file(
-        base::read_input_if_there(folder / bake::metrics_name, base::most_metrics_bytes).value_or(""));
+    const std::filesystem::path path = folder / bake::metrics_name;
+    std::istringstream file(base::read_input_if_there(path, base::most_metrics_bytes).value_or(""));
     std::string line;
     if (!std::getline(file, line)) return energies;
-    const std::vector<std::string> header = base::csv_fields(line);
+    const std::vector<std::string> header = base::csv_columns(line, path);
     const auto found = std::find(header.begin(), header.end(), "kinetic_energy");
     if (found == header.end()) return energies;
     const auto column = static_cast<std::size_t>(found - header.begin());

@@ -1,6 +1,8 @@
 // Untrusted input: inputs that are not regular files, names with terminal escapes, values with shell
 // commands.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
@@ -14,8 +16,11 @@
 
 #include "host/cli/shown_output.h"
 #include "host/cli/text.h"
+#include "host/gltf/gltf.h"
+#include "host/gltf/gltf_rig.h"
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
+#include "tests/gltf/gltf_viewer.h"
 
 namespace fascicle::tests {
 namespace {
@@ -128,6 +133,52 @@ TEST(Strangers, CharactersOfAnySizeAreBaked) {
       << huge.err;
 }
 
+// Area-weighted, of the triangles of a file's only primitive.
+std::vector<Eigen::Vector3d> geometric_normals(const std::string& glb,
+                                               const std::vector<Eigen::Vector3d>& points) {
+  std::vector<Eigen::Vector3d> normals(points.size(), Eigen::Vector3d::Zero());
+  const gltf::Rig rig = gltf::read_rig(glb);
+  const rig::Character character = gltf::read_gltf(glb);
+  EXPECT_EQ(rig.parts.size(), 1u);
+  for (const auto& [a, b, c] : character.surface.triangles) {
+    const Eigen::Vector3d normal = (points[b] - points[a]).cross(points[c] - points[a]);
+    for (const std::uint32_t corner : {a, b, c}) normals[corner] += normal;
+  }
+  for (Eigen::Vector3d& normal : normals) normal.normalize();
+  return normals;
+}
+
+// An armature that is scaled unevenly, as artists leave it: viewers turn normals with the joints' transforms.
+TEST(Strangers, UnevenlyScaledCharactersAreShadedAsTheyAre) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);
+  const std::string scaled = folder / "scaled.glb";
+  fs::copy_file(folder / "arm/character.glb", scaled);
+  change_glb(scaled, [](nlohmann::json& document) {
+    nlohmann::json& roots = document["scenes"][0]["nodes"];
+    document["nodes"].push_back({{"name", "armature"}, {"children", roots}, {"scale", {1.0, 1.5, 0.8}}});
+    roots = {document["nodes"].size() - 1};
+    document["animations"][0].erase("extras");  // the mark of a baked clip
+  });
+  const Outcome outcome = fascicle({"bake", scaled, "--end", "0.1", "--device", "cpu", "--format", "glb",
+                                    "--set", "motion.rest=\"weightless\"", "-o", folder / "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string glb = folder / "out/surface.glb";
+  const GltfViewer viewer(glb);
+  for (const double time : {0.0, 0.1}) {
+    const std::vector<Eigen::Vector3d> wanted = geometric_normals(glb, viewer.shown(0, time)),
+                                       seen = viewer.normals(0, time);
+    ASSERT_EQ(seen.size(), wanted.size());
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      angles.push_back(std::acos(std::clamp(seen[i].dot(wanted[i]), -1.0, 1.0)));
+    std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2),
+                     angles.end());
+    // Normals that are off by 0.004 are not stored, and the file's own are not quite those of its triangles.
+    EXPECT_LT(angles[angles.size() / 2], 0.02) << time;
+  }
+}
+
 TEST(Strangers, DeepKeysAreBadInput) {
   const TemporaryFolder folder;
   std::string key = "a";
@@ -160,6 +211,34 @@ TEST(Strangers, NamesAreShownEscaped) {
   EXPECT_EQ(refused.status, 3);
   EXPECT_TRUE(refused.err.starts_with("fascicle: error: " + shown + ": no such scene")) << refused.err;
   expect_harmless(refused.err);
+}
+
+// A name with a line break is one field of one line, so that a resumed bake counts its lines rightly.
+TEST(Strangers, JointNamesLeaveTheMetricsWhole) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "named.glb";
+  ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);
+  fs::copy_file(folder / "arm/character.glb", file);
+  change_glb(file, [](nlohmann::json& document) {
+    document["animations"][0].erase("extras");  // the mark of a baked clip
+    for (nlohmann::json& node : document["nodes"])
+      if (node.contains("name")) node["name"] = "=1\n" + node["name"].get<std::string>();
+  });
+  const auto baked = [&](const std::string& out, const std::string& end, const std::string& more) {
+    return fascicle({"bake", file, "-o", folder / out, "--device", "cpu", "--exaggerate", "4", "--format",
+                     "pc2", "--end", end, more});
+  };
+  Outcome outcome = baked("whole", "0.2", "--overwrite");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  ASSERT_TRUE(contains(read_text(folder / "whole/metrics.csv"), ",'=1\\n")) << "no frame names a joint";
+  ASSERT_EQ(baked("resumed", "0.1", "--overwrite").status, 0);
+  outcome = baked("resumed", "0.2", "--resume");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(read_text(folder / "resumed/metrics.csv"), read_text(folder / "whole/metrics.csv"));
+  outcome = fascicle({"verify", folder / "whole"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  outcome = fascicle({"render", folder / "whole", "--worst", "1", "-o", folder / "a.png"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
 }
 
 TEST(Strangers, NamesInTablesAreShownEscaped) {

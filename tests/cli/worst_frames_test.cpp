@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "host/bake/bake.h"
+#include "host/cli/metrics_table.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -70,6 +71,32 @@ TEST_F(WorstFrames, WhatIsNoMetricsIsToldSo) {
   EXPECT_THROW(scores(""), bake::BakeError);
   EXPECT_THROW(scores("a,b\n1,2\n"), bake::BakeError);
   EXPECT_TRUE(scores("frame,look\n").frames.empty());
+}
+
+// A report searches the columns for each of them.
+TEST_F(WorstFrames, TooManyColumnsAreNoMetrics) {
+  const auto refusal_by = [](const auto& read) -> std::string {
+    try {
+      read();
+    } catch (const bake::BakeError& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  const auto refusal_of_scores = [&] {
+    return refusal_by([&] { (void)cli::read_frame_scores(folder_.path()); });
+  };
+  const auto refusal_of_table = [&] {
+    return refusal_by([&] { (void)cli::read_metrics_table(folder_.path()); });
+  };
+  const std::string most = "frame" + std::string(4095, ',');
+  write_text(folder_ / "metrics.csv", most + "\n");
+  EXPECT_EQ(refusal_of_scores(), "read");
+  EXPECT_EQ(refusal_of_table(), "read");
+  write_text(folder_ / "metrics.csv", most + ",\n");
+  const std::string wanted = folder_ / "metrics.csv" + ": has 4097 columns, the most is 4,096; bake again";
+  EXPECT_EQ(refusal_of_scores(), wanted);
+  EXPECT_EQ(refusal_of_table(), wanted);
 }
 
 }  // namespace

@@ -266,6 +266,17 @@ TEST(Metrics, NamesWithCommasAreQuoted) {
   EXPECT_NE(text.find("\"left, \"\"upper\"\"_x\",\"left, \"\"upper\"\"_y\""), std::string::npos) << text;
 }
 
+// Each frame is one line: a resumed bake counts lines.
+TEST(Metrics, AreOneLinePerFrame) {
+  const TemporaryFolder folder;
+  model::Model model = two_tetrahedra();
+  model.probes[0].name = "=1+\n\x1b[31mtip";
+  write_frames(bake::make_metrics_sink(), model, folder / "");
+  const std::string text = read_text(folder / "metrics.csv");
+  EXPECT_NE(text.find(",'=1+\\n\\x1b[31mtip_x,"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 3) << text;
+}
+
 // Decimal comma and grouped digits, as in a German locale.
 struct GermanNumbers final : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }

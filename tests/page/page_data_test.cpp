@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "host/base/errors.h"
 #include "host/page/base64.h"
 #include "host/page/curves.h"
 
@@ -65,6 +66,27 @@ TEST_F(Curves, ThatAreZeroOrNotThereAreNone) {
   EXPECT_TRUE(of("", 3).empty());
   fs::remove(folder_ / "metrics.csv");
   EXPECT_TRUE(read_curves(folder_, 3).empty());
+}
+
+TEST_F(Curves, OfTooManyColumnsAreRefused) {
+  const auto refusal_of = [&](const std::string& csv, std::uint64_t frames) -> std::string {
+    try {
+      of(csv, frames);
+    } catch (const base::BakeError& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  std::string header = "frame";
+  for (int k = 1; k < 4096; ++k) header += ",lag_" + std::to_string(k);
+  EXPECT_EQ(refusal_of(header + "\n0,1\n", 2), "read");
+  EXPECT_EQ(refusal_of(header + ",one_more\n0,1\n", 2),
+            (folder_ / "metrics.csv").string() + ": has 4097 columns, the most is 4,096; bake again");
+  // Not too many for 2 frames, but 655 GB of memory for ten million.
+  EXPECT_EQ(
+      refusal_of(header + "\n0,1\n", 10'000'001),
+      (folder_ / "metrics.csv").string() +
+          ": its columns of 10000001 frames are too many for a page; bake a shorter range (--start, --end)");
 }
 
 }  // namespace

@@ -140,9 +140,12 @@ def commands_of(turn, name, root):
     if turn == 0:
         return (["inspect", "named.glb"],
                 ["bake", "named.glb", "--clips", "all", "--device", "cpu", "--end", "0.05", "-o", "out", "--format",
-                 FORMATS], ["report", "", "-o", "report.html"], ["view", "", "-o", "view.html"],
+                 FORMATS], ["verify", ""], ["report", "", "-o", "report.html"], ["view", "", "-o", "view.html"],
+                ["bake", "named.glb", "--clips", "all", "--device", "cpu", "--end", "0.1", "-o", "out", "--format",
+                 FORMATS, "--resume"], ["verify", ""],
                 ["batch", "jobs.toml", "--dry-run", "-o", "batch"])
     return (["bake", "keys.toml", "--device", "cpu", "--end", "0.05", "-o", "keys"],
+            ["bake", "keys.toml", "--device", "cpu", "--end", "0.1", "-o", "keys", "--resume"], ["verify", ""],
             ["batch", "jobs.toml", "--device", "cpu", "-o", "batch"],
             ["batch", "clips.toml", "--device", "cpu", "-o", "out"],
             ["batch", "clips.toml", "--emit", "slurm", "-o", "farm"],
@@ -157,8 +160,9 @@ def names(bakes, count):
     """Hostile names hold slashes, quotes, line ends, markup, code, control or bidirectional characters, or are 100 kB
     long. They are given to everything that a character file names (joints, meshes, clips, blend shapes, materials,
     textures), to the file itself, and to jobs, layers and probes. The commands are `inspect`, `bake` of all clips in
-    every format, `report` and `view` of each bake, `batch`, and `batch --emit` for both farms. A parser reads every
-    file that they write; the Blender script is compiled, and shell scripts go through `bash -n`."""
+    every format, `report` and `view` of each bake, `batch`, and `batch --emit` for both farms. Bakes are resumed with
+    a later end, and `verify` finds nothing before or after. A parser reads every file that they write; the Blender
+    script is compiled, and shell scripts go through `bash -n`."""
     controls_root = bakes[0].empty_folder()
     controls_of_names(controls_root)
     shutil.rmtree(controls_root)
@@ -173,12 +177,13 @@ def names(bakes, count):
         commands = commands_of(turn, name, root)
         before = everything_below(outer)
         for command in commands:
-            # `report` and `view` run once for each bake.
-            folders = bakes_below(os.path.join(root, "out")) if command[0] in ("report", "view") else [""]
+            # These run once for each bake.
+            folders = bakes_below(root) if command[0] in ("report", "view", "verify") else [""]
             for folder in folders:
                 words = [os.path.join(folder, word) if word.endswith(".html") else word or folder for word in command]
                 status, text = ended([PROGRAM, *words], environment, root)
                 hold_harmless(text)
+                hold(status == DONE or command[0] != "verify", "%r: %s" % (name[:40], text))
                 if status != DONE:
                     hold_refusal(status, text, (FAILED, BAD_USAGE, BAD_INPUT))
         found = everything_below(outer) - before
