@@ -7,7 +7,8 @@
 // small remainder is interpolated linearly. Vertices that plain skinning puts in the right place are not
 // stored: targets are sparse. For a body without a skeleton, the targets hold the whole motion. Normals are
 // the file's own, rotated with the surface (SurfaceNormals), which keeps creases. They are not stored where
-// plain skinning gives the same normal.
+// plain skinning gives the same normal. Viewers rotate normals by a vertex's blended joint transform itself,
+// not by its inverse transpose: below a joint that is scaled unevenly, they would be wrong without a target.
 //
 // The targets' numbers go into a temporary stream, because the JSON that precedes them in the file is only
 // known at the end. glb_compress.h writes the compressed variant.
@@ -32,6 +33,7 @@
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/formats/surface_objects.h"
+#include "host/formats/uneven_joints.h"
 #include "host/gltf/gltf_file.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
@@ -195,7 +197,9 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
   const std::vector<float> smooth = normals_->smooth_of(frame.surface);
   const std::vector<float> smooth_skinned = normals_->smooth_of(skinned_values);
   vertex = 0;
-  for (const gltf::RigPart& part : rig_.parts)
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    const gltf::RigPart& part = rig_.parts[p];
+    const std::vector<char> uneven = below_uneven_joints(part, result.slots[p], least_turn);
     for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
       const Matrix3d& linear = blends[vertex];
       const Vector3d move = rig::solve(linear, away[vertex]);
@@ -203,14 +207,19 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
       // The change of the normal that a viewer's skinning maps to the wanted normal. The difference of unit
       // normals approximates the angle.
       Vector3d turn = Vector3d::Zero();
-      if (!part.normals.empty() &&
-          (vector_at(smooth, vertex) - vector_at(smooth_skinned, vertex)).norm() > least_turn)
-        turn = rig::solve(linear, vector_at(normals, vertex)).normalized() - part.normals[i];
+      const Vector3d wanted = part.normals.empty() ? turn : vector_at(normals, vertex);
+      const auto is_turned = [&] {
+        return (vector_at(smooth, vertex) - vector_at(smooth_skinned, vertex)).norm() > least_turn ||
+               (uneven[i] != 0 && ((linear * part.normals[i]).normalized() - wanted).norm() > least_turn);
+      };
+      if (!part.normals.empty() && is_turned())
+        turn = rig::solve(linear, wanted).normalized() - part.normals[i];
       for (int axis = 0; axis < 3; ++axis) {
         result.moves.push_back(static_cast<float>(move[axis]));
         result.turns.push_back(static_cast<float>(turn[axis]));
       }
     }
+  }
   return result;
 }
 

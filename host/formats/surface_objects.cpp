@@ -1,7 +1,6 @@
 #include "host/formats/surface_objects.h"
 
 #include <algorithm>
-#include <set>
 #include <span>
 
 #include <Eigen/Core>
@@ -10,6 +9,7 @@
 #include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
+#include "host/formats/unique_names.h"
 #include "host/gltf/gltf.h"
 #include "host/gltf/gltf_file.h"
 #include "host/gltf/gltf_rig.h"
@@ -24,19 +24,6 @@ using Eigen::Vector3d;
 using nlohmann::json;
 
 constexpr const char* texture_prefix = "image_";
-
-// Hands out each name only once.
-class UniqueNames {
- public:
-  std::string take(const std::string& wanted) {
-    std::string name = wanted;
-    for (std::uint64_t k = 2; !taken_.insert(name).second; ++k) name = wanted + '_' + base::number_text(k);
-    return name;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
 
 // A name that every format can store on one line and in a path.
 std::string one_line(const std::string& name) {

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/formats/surface_velocities.h"
+#include "host/formats/unique_names.h"
 #include "tests/bake/fake_solver.h"
 #include "tests/formats/dressed_model.h"
 #include "tests/formats/ogawa_reader.h"
@@ -106,6 +109,51 @@ TEST(SurfaceObjects, NamesOfTexturesAreTold) {
   EXPECT_TRUE(formats::is_texture_name("image_1234.jpg"));
   for (const char* name : {"image_00.png", "image_00a.png", "picture.png", "image_000.gif", "image_.png"})
     EXPECT_FALSE(formats::is_texture_name(name)) << name;
+}
+
+// The rule in its plainest form, which takes time by the square of the number of equal names.
+std::vector<std::string> unique_by_search(const std::vector<std::string>& wanted) {
+  std::set<std::string> taken;
+  std::vector<std::string> names;
+  for (const std::string& one : wanted) {
+    std::string name = one;
+    for (int k = 2; !taken.insert(name).second; ++k) name = one + '_' + std::to_string(k);
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> unique_names(const std::vector<std::string>& wanted) {
+  formats::UniqueNames unique;
+  std::vector<std::string> names;
+  for (const std::string& one : wanted) names.push_back(unique.take(one));
+  return names;
+}
+
+TEST(UniqueNames, AreThoseOfAPlainSearch) {
+  const std::vector<std::string> collisions{"m", "m_3",   "m", "m", "m_2", "m_2",
+                                            "m", "m_2_2", "",  "",  "_2",  "m_1"};
+  EXPECT_EQ(unique_names(collisions), (std::vector<std::string>{"m", "m_3", "m_2", "m_4", "m_2_2", "m_2_3",
+                                                                "m_5", "m_2_2_2", "", "_2", "_2_2", "m_1"}));
+  EXPECT_EQ(unique_names(collisions), unique_by_search(collisions));
+  // Few different names, so that they meet in every order.
+  std::mt19937 random(20170524);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<std::string> wanted;
+    for (int k = 0; k < 60; ++k) {
+      std::string name = random() % 2 == 0 ? "m" : "";
+      for (auto more = random() % 3; more > 0; --more) name += '_' + std::to_string(1 + random() % 4);
+      wanted.push_back(name);
+    }
+    ASSERT_EQ(unique_names(wanted), unique_by_search(wanted)) << "round " << round;
+  }
+}
+
+// A plain search tries 1.25 thousand million names, for several minutes.
+TEST(UniqueNames, OfManyEqualOnesAreQuick) {
+  const std::vector<std::string> names = unique_names(std::vector<std::string>(50'000, "m"));
+  EXPECT_EQ(names[0], "m");
+  for (std::size_t k = 1; k < names.size(); ++k) ASSERT_EQ(names[k], "m_" + std::to_string(k + 1));
 }
 
 TEST(SurfaceNormals, KeepCreasesAndTurnWithTheBody) {
