@@ -37,8 +37,10 @@ namespace fs = std::filesystem;
 BakeResult Run::go() {
   open_folder();
   const std::optional<Checkpoint> resumed = checkpoint_to_resume();
-  if (resumed)
+  if (resumed) {
     if (std::optional<BakeResult> done = done_without_frames()) return std::move(*done);
+    if (std::optional<BakeResult> done = done_before(*resumed)) return std::move(*done);
+  }
   if (!resumed) {
     refuse_foreign(options_.folder, file_names(model_, options_.formats));
     has_begun_ = true;

@@ -3,7 +3,6 @@
 #include <system_error>
 
 #include "host/bake/bake.h"
-#include "host/bake/identity.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/base/text.h"
@@ -19,13 +18,7 @@ class CacheSink final : public formats::FrameSink {
   model::Read needs() const override { return {.positions = true}; }
   void begin(const formats::BakeInfo& info) override {
     const std::filesystem::path path = info.folder / cache_name;
-    header_ = {.vertex_count = info.model->vertex_count,
-               .unit = info.model->unit,
-               .fps = info.fps,
-               .start = info.start,
-               .frames = info.frames,
-               .model_hash = model_hash(*info.model),
-               .rest_origin = info.model->rest_origin};
+    header_ = cache_header(*info.model, info.fps, info.start, info.frames);
     if (info.first == 0) {
       file_.emplace(path, base::FileMode::replace);
       file_->write(encode_cache_header(header_));

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "host/bake/look.h"
+#include "host/bake/sealed_file.h"
 #include "host/base/errors.h"
 #include "host/base/json_text.h"
 #include "host/base/part_file.h"
@@ -176,11 +177,7 @@ void write_checkpoint(const fs::path& path, const CheckpointView& checkpoint) {
 
 std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   if (!fs::exists(path)) return std::nullopt;
-  const base::File file(path, base::FileMode::read);
-  std::string bytes(file.size(), '\0');
-  if (!file.read_at(0, bytes))
-    throw BakeError(path.string() + ": the checkpoint is damaged; start again with --overwrite");
-  return parse_checkpoint(bytes, path);
+  return parse_checkpoint(read_sealed(base::File(path, base::FileMode::read), checkpoint_magic), path);
 }
 
 void check_checkpoint(const Checkpoint& checkpoint, const model::Model& model, std::uint64_t frames,

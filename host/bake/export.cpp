@@ -58,7 +58,9 @@ class Export {
         formats_(chosen(options.formats)),
         own_(is_own(options)),
         folder_(own_ ? options.bake : options.folder),
-        bake_(options.bake) {}
+        bake_(options.bake),
+        first_(options.first_number ? first_written(*options.first_number, bake_.manifest().handles)
+                                    : bake_.manifest().first_number) {}
 
   ExportResult go();
 
@@ -71,6 +73,7 @@ class Export {
   const bool own_;
   const fs::path folder_;
   const FinishedBake bake_;
+  const std::uint64_t first_;  // number of frame 0 in the exported files
   std::optional<FolderLock> bake_lock_, lock_;
 };
 
@@ -89,6 +92,10 @@ std::vector<std::string> Export::names() const {
 }
 
 void Export::open_folder() {
+  if (own_ && first_ != bake_.manifest().first_number)
+    throw BakeError(options_.bake.string() + ": its files number the first frame " +
+                    base::number_text(bake_.manifest().first_number + bake_.manifest().handles) +
+                    "; with another --first-frame, export to another folder with -o");
   bake_lock_.emplace(options_.bake);
   make_folder(folder_);
   if (!own_) lock_.emplace(folder_);
@@ -101,9 +108,6 @@ ExportResult Export::go() {
   ExportStage stage(folder_);
   const model::Frame initial = bake_.frame(0);
   const CacheHeader& header = bake_.header();
-  const std::uint64_t first = options_.first_number
-                                  ? first_written(*options_.first_number, bake_.manifest().handles)
-                                  : bake_.manifest().first_number;
   const auto surface = std::make_shared<const formats::SurfaceObjects>(
       formats::read_surface_objects(bake_.model(), bake_.character()));
   const formats::BakeInfo info{.model = &bake_.model(),
@@ -117,7 +121,7 @@ ExportResult Export::go() {
                                .character = bake_.character(),
                                .glb = options_.glb,
                                .objects = surface,
-                               .first_number = first,
+                               .first_number = first_,
                                .usd_skel = options_.usd_skel};
   ExportResult result{.frames = header.frames, .files = {}, .report = {}};
   std::vector<std::unique_ptr<formats::FrameSink>> sinks;
@@ -140,7 +144,7 @@ ExportResult Export::go() {
       formats::write_rest_mesh(stage.path(), bake_.model(), *surface);
       base::write_whole(
           stage.path() / formats::blender_script_name,
-          formats::blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
+          formats::blender_script({.fps = header.fps, .frames = header.frames, .first_number = first_}));
     }
     // The manifest names the files before they exist, so that an interruption leaves no unlisted files.
     if (own_) add_to_manifest(folder_, names());

@@ -232,6 +232,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   of_scene["solver"]["iterations"] = iterations_of(scene, options);
   std::vector<std::string> files = file_names(model, options.formats);
   if (!progress.frames_kept) std::erase(files, cache_name);
+  files.insert(files.end(), progress.exported.begin(), progress.exported.end());
   Json manifest{
       {"kind", kind},
       {"version", sealed_json_version},

@@ -33,8 +33,9 @@ struct Progress {
   Timings timings;
   drive::LeadInSummary lead_in;
   ClampedMuscles clamped;
-  std::optional<LookSummary> look;  // for a complete bake of a character
-  std::optional<double> loop_jump;  // m, for a complete seamless loop
+  std::optional<LookSummary> look;    // for a complete bake of a character
+  std::optional<double> loop_jump;    // m, for a complete seamless loop
+  std::vector<std::string> exported;  // files that `fascicle export` added to the bake's folder
 };
 
 // The files of a bake with these formats, the manifest first; a name that ends in / is a folder of frames.

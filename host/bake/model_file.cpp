@@ -12,6 +12,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/identity.h"
+#include "host/bake/sealed_file.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/model/model_arrays.h"
@@ -94,6 +95,21 @@ class Sizer {
   std::uint64_t bytes_ = 0;
 };
 
+// The fewest bytes of an element in the file: empty texts and lists have heads too.
+template <class Element, class Fields>
+std::uint64_t least_bytes(const Fields& fields) {
+  Sizer sizer;
+  const Element empty{};
+  base::for_each_row(fields, [&](const auto& field) { sizer(field.name, empty.*field.member); });
+  return sizer.bytes();
+}
+std::uint64_t least_element_bytes(const std::vector<model::Layer>&) {
+  return least_bytes<model::Layer>(model::layer_fields);
+}
+std::uint64_t least_element_bytes(const std::vector<model::ProbeSet>&) {
+  return least_bytes<model::ProbeSet>(model::probe_fields);
+}
+
 // Says that a file is not one of ours, or not complete.
 struct Mismatch : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -115,8 +131,8 @@ class Reader {
   template <class T>
   void count(std::string_view name, std::vector<T>& list) {
     const std::uint64_t count = head(name, 0);
-    // Each element takes at least one byte.
-    if (count > rest_.size()) throw Mismatch("it ends too soon");
+    // An element takes about as many bytes in memory, so that a list takes no more than the file.
+    if (count > rest_.size() / least_element_bytes(list)) throw Mismatch("it ends too soon");
     list.resize(count);
   }
   bool is_done() const { return rest_.empty(); }
@@ -174,12 +190,6 @@ class Reader {
   std::string_view rest_;
 };
 
-std::string read_all(const base::File& file) {
-  std::string bytes(file.size(), '\0');
-  if (!file.read_at(0, bytes)) bytes.clear();
-  return bytes;
-}
-
 }  // namespace
 
 std::string encode_model(const model::Model& model) {
@@ -221,7 +231,7 @@ model::Model read_model_file(const std::filesystem::path& path, std::optional<st
   const auto fail = [&path](const std::string& what) -> BakeError {
     return BakeError(path.string() + ": " + what + "; bake again");
   };
-  const std::string file = read_all(base::File(path, base::FileMode::read));
+  const std::string file = read_sealed(base::File(path, base::FileMode::read), model_magic);
   model::Model model;
   try {
     model = decode_model(file);

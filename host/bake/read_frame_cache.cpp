@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string_view>
 #include <system_error>
 
@@ -12,7 +11,9 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/finite.h"
+#include "host/bake/identity.h"
 #include "host/base/text.h"
+#include "host/scene/scene_file.h"
 
 namespace fascicle::bake {
 
@@ -40,6 +41,16 @@ void seal(std::string& bytes) {
 }
 
 }  // namespace
+
+CacheHeader cache_header(const model::Model& model, double fps, double start, std::uint64_t frames) {
+  return {.vertex_count = model.vertex_count,
+          .unit = model.unit,
+          .fps = fps,
+          .start = start,
+          .frames = frames,
+          .model_hash = model_hash(model),
+          .rest_origin = model.rest_origin};
+}
 
 std::uint64_t cache_record_bytes(std::uint32_t vertex_count) {
   const std::uint64_t positions = std::uint64_t{12} * vertex_count;
@@ -92,7 +103,7 @@ bool is_sound(const CacheHeader& header) {
   return header.vertex_count > 0 && std::isfinite(header.unit) && header.unit > 0.0 &&
          std::isfinite(header.fps) && header.fps > 0.0 && std::isfinite(header.start) &&
          std::all_of(header.rest_origin.begin(), header.rest_origin.end(), is_finite) &&
-         header.frames < std::numeric_limits<std::uint64_t>::max();  // so that they can be counted
+         static_cast<double>(header.frames) <= scene::most_frames;
 }
 
 }  // namespace
@@ -115,16 +126,20 @@ FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(op
   if (!is_sound(header_))
     throw BakeError(path.string() + ": the header has an impossible frame rate, start or size; bake again");
   record_bytes_ = cache_record_bytes(header_.vertex_count);
-  frame_count_ = (file_.size() - cache_header_bytes) / record_bytes_;
+  // No more than the header says: a sparse file of any length takes no space.
+  frame_count_ = std::min((file_.size() - cache_header_bytes) / record_bytes_, header_.frames + 1);
   // After a power cut the end may have the right length without ever having reached the disk.
   std::string record;
   while (frame_count_ > 0 && !read_record(frame_count_ - 1, record)) --frame_count_;
 }
 
 bool FrameCacheReader::read_record(std::uint64_t k, std::string& bytes) const {
+  const std::uint64_t begin = cache_header_bytes + k * record_bytes_;
+  // The number first: many whole records may be missing.
+  bytes.resize(sizeof(std::uint64_t));
+  if (!file_.read_at(begin, bytes) || value_at<std::uint64_t>(bytes, 0) != k) return false;
   bytes.resize(record_bytes_);
-  return file_.read_at(cache_header_bytes + k * record_bytes_, bytes) && is_sealed(bytes) &&
-         value_at<std::uint64_t>(bytes, 0) == k;
+  return file_.read_at(begin, bytes) && is_sealed(bytes);
 }
 
 model::Frame FrameCacheReader::read(std::uint64_t k) const {

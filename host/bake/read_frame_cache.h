@@ -49,6 +49,8 @@ struct CacheHeader {
   bool operator==(const CacheHeader&) const = default;
 };
 
+// Of a bake of this model; `fps`, `start` and `frames` as in CacheHeader.
+CacheHeader cache_header(const model::Model& model, double fps, double start, std::uint64_t frames);
 std::uint64_t cache_record_bytes(std::uint32_t vertex_count);
 std::string encode_cache_header(const CacheHeader& header);
 std::string encode_cache_record(const CacheHeader& header, const model::Frame& frame);

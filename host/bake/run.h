@@ -42,6 +42,7 @@ class Run {
   void open_folder();
   std::optional<Checkpoint> checkpoint_to_resume();
   std::optional<BakeResult> done_without_frames();
+  std::optional<BakeResult> done_before(const Checkpoint& last);
   void begin_other_files(const Checkpoint& from);
   BakeResult summary() const;
   model::State lead_to_start();

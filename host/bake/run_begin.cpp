@@ -10,6 +10,7 @@
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/bake/run.h"
+#include "host/bake/verify.h"
 #include "host/base/part_file.h"
 #include "host/drive/lead_in.h"
 #include "host/formats/blender_script.h"
@@ -23,6 +24,14 @@
 namespace fascicle::bake {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+bool is_among(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
 
 Run::Run(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
          const BakeOptions& options)
@@ -69,6 +78,9 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
     progress_.lead_in = manifest->lead_in;
     clamped_ = progress_.clamped = manifest->clamped;
     ++before_.runs;
+    const std::vector<std::string> known = all_file_names(), own = file_names(model_, options_.formats);
+    for (const std::string& name : manifest->files)
+      if (is_among(known, name) && !is_among(own, name)) progress_.exported.push_back(name);
   }
   return found;
 }
@@ -79,14 +91,21 @@ void Run::begin_other_files(const Checkpoint& from) {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   std::vector<std::string> names = file_names(model_, options_.formats);
   std::erase_if(names, [&](const std::string& name) {
-    return name == checkpoint_name || (manifest && std::find(manifest->files.begin(), manifest->files.end(),
-                                                             name) != manifest->files.end());
+    return name == checkpoint_name || (manifest && is_among(manifest->files, name));
   });
   // All checks that may refuse come before the first write.
   refuse_foreign(options_.folder, names);
   const FrameCacheReader cache(path_of(cache_name));
   for (std::uint64_t k = 0; k <= from.state.frame; ++k)
     progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+  if (manifest && manifest->frames != frames_ && !progress_.exported.empty()) {
+    std::string list;
+    for (const std::string& name : progress_.exported) list += (list.empty() ? "" : ", ") + name;
+    report_.warnings.push_back("removed what was exported from the earlier frames (" + list +
+                               "); export it again");
+    remove_files(options_.folder, progress_.exported);
+    progress_.exported.clear();
+  }
   has_begun_ = true;
   write_checkpoint(path_of(checkpoint_name), {while_begun_anew(identity_, anew_), from.state, from.skinned});
   save_manifest(Status::running, moment());
@@ -98,6 +117,30 @@ std::optional<BakeResult> Run::done_without_frames() {
   if (!manifest || manifest->frames_kept) return std::nullopt;
   if (options_.keep_frames || files_change_) throw BakeError(frames_not_kept_text(options_.folder));
   remove_files(options_.folder, {cache_name});
+  BakeResult result = summary();
+  result.frames_done = frames_;
+  result.last_position_hash = manifest->last_position_hash;
+  return result;
+}
+
+// A complete bake whose files are all there is left as it is: other programs may be reading them.
+std::optional<BakeResult> Run::done_before(const Checkpoint& last) {
+  const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
+  const bool is_complete = manifest && manifest->status == name_of(Status::complete);
+  if (!is_complete || files_change_ || !options_.keep_frames || last.state.frame != frames_)
+    return std::nullopt;
+  const FrameCacheReader cache(path_of(cache_name));
+  if (cache.header() != cache_header(model_, scene_.fps, scene_.start, frames_)) return std::nullopt;
+  const VerifyResult verified = verify_bake({.bake = options_.folder, .interrupted = options_.interrupted});
+  if (!verified.is_good()) return std::nullopt;
+  interrupted_ = verified.interrupted;
+  if (!interrupted_) take_look();
+  if (!interrupted_ && scene_.motion.seamless) {
+    const model::Frame first = cache.read(0);
+    progress_.loop_jump =
+        drive::largest_distance(model_, first.positions, first.origin, drives_.begun_again(last.state));
+  }
+  report_.notes.emplace_back("the bake was complete, and its files are as they were");
   BakeResult result = summary();
   result.frames_done = frames_;
   result.last_position_hash = manifest->last_position_hash;

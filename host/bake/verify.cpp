@@ -104,7 +104,7 @@ class Verification {
     // In an unfinished bake, frames reach the disk before the manifest counts them.
     const std::uint64_t there = is_complete_ ? wanted : manifest_.position_hashes.size();
     if (!result_.interrupted && count < there)
-      add("missing or damaged at the end: " + frames_text(numbers(count, there)));
+      add("missing or damaged at the end: " + frames_text(count, there));
     if (is_complete_ && manifest_.position_hashes.size() != wanted)
       add("the manifest has hashes of " + base::number_text(manifest_.position_hashes.size()) +
           " frames instead of " + base::number_text(wanted));
@@ -136,10 +136,10 @@ class Verification {
     return base::number_text(rows) + " rows";
   }
 
-  static std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t end) {
-    std::vector<std::uint64_t> all;
-    for (std::uint64_t k = first; k < end; ++k) all.push_back(k);
-    return all;
+  // As a list, the frames of a header that lies could fill the memory.
+  static std::string frames_text(std::uint64_t first, std::uint64_t end) {
+    if (first + 1 == end) return "frame " + base::number_text(first);
+    return "frames " + base::number_text(first) + " to " + base::number_text(end - 1);
   }
   static std::string frames_text(const std::vector<std::uint64_t>& frames) {
     return (frames.size() == 1 ? "frame " : "frames ") + ranges_text(frames);

@@ -201,7 +201,14 @@ bool read_filled_body(std::string_view bytes, const FillInput& input, FilledBody
   body.render.triangles = input.surface.triangles;
   const std::size_t count = body.mesh.vertices.size();
   return is_usable_mesh(body.mesh) && is_usable_skin(body.skin, count, input.character) &&
-         is_usable_render(body.render, count, input.surface.vertices.size());
+         is_usable_render(body.render, count, input.surface.vertices.size()) &&
+         is_usable(found.fill.cage.ends);
+}
+
+bool is_usable(const OpenEnds& ends) {
+  const std::size_t count = ends.vertex.size();
+  return ends.edges.size() == count && ends.joint.size() == count && ends.width.size() == count &&
+         ends.fate.size() == count;
 }
 
 FilledBody fill_body(const FillInput& input, Report& report, const BuildOptions& options) {

@@ -45,4 +45,7 @@ void add_points(base::ContentHash& hash, const std::vector<Vector3d>& points);
 std::string filled_body_bytes(const FilledBody& body, const Report& found);
 bool read_filled_body(std::string_view bytes, const FillInput& input, FilledBody& body, Report& found);
 
+// Whether each array has one entry per end: ends from the cache may have any lengths.
+bool is_usable(const OpenEnds& ends);
+
 }  // namespace fascicle::build

@@ -46,8 +46,8 @@ struct ShapeTest {
     if (measures.body().bones.empty())
       fail(source,
            key +
-               ": needs bones to measure distances from, but there are none; add bones, or use another "
-               "shape");
+               ": needs bones to measure distances from, but there are none; add bones (of a character, name "
+               "joints in [skeleton] bones), or use another shape");
   }
 
   // For the named joints, each vertex's maximum depends on its nearest bone.

@@ -33,13 +33,6 @@ scene::Json parameters_of(const scene::Scene& scene) {
   return parameters;
 }
 
-// The arrays must have one entry per end.
-bool is_usable(const build::OpenEnds& ends) {
-  const std::size_t count = ends.vertex.size();
-  return ends.edges.size() == count && ends.joint.size() == count && ends.width.size() == count &&
-         ends.fate.size() == count;
-}
-
 }  // namespace
 
 std::optional<std::string> kept_model_key(const scene::Scene& scene, const build::BuildOptions& options) {
@@ -62,7 +55,7 @@ std::optional<KeptModel> find_kept_model(const std::string& key, const build::Bu
     KeptModel kept;
     build::ByteReader read(*bytes);
     read(kept.report);
-    if (!is_usable(kept.report.fill.cage.ends)) return std::nullopt;
+    if (!build::is_usable(kept.report.fill.cage.ends)) return std::nullopt;
     kept.model = bake::decode_model(read.rest());
     return kept;
   } catch (const build::ByteReader::Damaged&) {

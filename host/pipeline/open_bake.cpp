@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
 #include "host/bake/bake.h"
@@ -62,7 +63,12 @@ const scene::Scene& OpenBake::scene() {
 drive::DriveSource& OpenBake::drives() {
   if (!drives_) {
     const scene::Scene& of_bake = scene();
-    drives_.emplace(of_bake, model_, substeps_);
+    try {
+      drives_.emplace(of_bake, model_, substeps_);
+    } catch (const std::invalid_argument& error) {
+      throw bake::BakeError(folder_.string() + ": its model and its scene are of different bakes (" +
+                            error.what() + "); bake again");
+    }
   }
   return *drives_;
 }

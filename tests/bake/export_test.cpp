@@ -12,6 +12,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
+#include "tests/bake/fake_bakes.h"
 #include "tests/bake/fake_solver.h"
 
 namespace fascicle::tests {
@@ -98,6 +99,20 @@ TEST(Export, IntoTheBakesFolderBelongsToTheBake) {
   bake::bake(short_scene(2), model, solver, options);
   EXPECT_FALSE(fs::exists(folder / "out/surface.mdd"));
   EXPECT_FALSE(fs::exists(folder / "out/obj"));
+}
+
+// import_blender.py in the bake's folder has the bake's number.
+TEST(Export, IntoTheBakesFolderKeepsItsFrameNumbers) {
+  const TemporaryFolder folder;
+  bake_into(folder / "out", {});
+  EXPECT_TRUE(contains(
+      refusal([&] { bake::export_bake({.bake = folder / "out", .formats = {"obj"}, .first_number = 1001}); }),
+      "its files number the first frame 0; with another --first-frame, export to another"));
+  EXPECT_FALSE(fs::exists(folder / "out/obj"));
+  bake::export_bake({.bake = folder / "out", .formats = {"obj"}, .first_number = 0});
+  bake::export_bake(
+      {.bake = folder / "out", .folder = folder / "shot", .formats = {"obj"}, .first_number = 1001});
+  EXPECT_TRUE(fs::exists(folder / "shot/obj"));
 }
 
 TEST(Export, RefusesWhatIsInTheWay) {

@@ -139,5 +139,20 @@ TEST_F(ModelFile, WhatLiesIsRefused) {
   EXPECT_NE(refusal(bake::encode_model(other)).find("baked with another model"), std::string::npos);
 }
 
+// A probe takes at least 56 bytes: two heads of 16, the names of its fields and no vertices. 60 MB of zeros
+// once became 60 million probes, of 3.4 GB.
+TEST_F(ModelFile, AListLongerThanItsFileIsRefusedBeforeItIsMade) {
+  const std::string before_count = bytes_.substr(0, bytes_.rfind("probes") + std::strlen("probes") + 4);
+  const auto refusal_of = [&](std::uint64_t probes) {
+    std::string bytes = before_count;
+    bytes.append(reinterpret_cast<const char*>(&probes), sizeof probes);
+    bytes.append(100 * 56 + 8, '\0');
+    return refusal(sealed(bytes));
+  };
+  EXPECT_NE(refusal_of(101).find("ends too soon"), std::string::npos) << refusal_of(101);
+  // The control: as many as there is room for are read, and refused for their names.
+  EXPECT_NE(refusal_of(100).find("at probe.name"), std::string::npos) << refusal_of(100);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

@@ -184,34 +184,11 @@ TEST(Checkpoint, IsWhatItsHeaderDescribes) {
   EXPECT_EQ(at + 8, bytes.size()) << "the checksum is the last field";
 }
 
-TEST(BakeResume, ACompleteBakeStaysAsItIs) {
-  const TemporaryFolder folder;
-  BakeOptions options = options_for(folder / "out");
-  fake_bake_into(options, short_scene(4));
-  const auto before = content_of(folder / "out");
-  options.resume = true;
-  EXPECT_EQ(fake_bake_into(options, short_scene(4)).frames_done, 4u);
-  EXPECT_EQ(content_of(folder / "out"), before);
-}
-
 TEST(BakeResume, StartsWhereThereIsNothing) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
   options.resume = true;
   EXPECT_EQ(fake_bake_into(options, short_scene(2)).frames_done, 2u);
-}
-
-// A bake that stops between the final renames has some files under their final names.
-TEST(BakeResume, TakesBackFinishedFiles) {
-  const TemporaryFolder folder;
-  BakeOptions options = options_for(folder / "out");
-  fake_bake_into(options, short_scene(4));
-  const auto whole = content_of(folder / "out");
-  fs::rename(folder / "out/surface.pc2", folder / "out/surface.pc2.part");
-  fs::remove(folder / "out/vtu/series.pvd");
-  options.resume = true;
-  fake_bake_into(options, short_scene(4));
-  EXPECT_EQ(content_of(folder / "out"), whole);
 }
 
 TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {

@@ -108,6 +108,29 @@ TEST_F(Verify, FindsWhatIsMissingOfAStoppedBake) {
   EXPECT_EQ(finding_of(verify_bake({.bake = stopped}), "frames.fascicle"), wanted);
 }
 
+// A list of that many numbers would not fit into memory.
+TEST_F(Verify, CountsTheMissingFramesOfAHeaderThatLies) {
+  const fs::path path = bake / "frames.fascicle";
+  const auto lie = [&](std::uint64_t frames) {
+    bake::CacheHeader header = bake::FrameCacheReader(path).header();
+    header.frames = frames;
+    const std::string bytes = bake::encode_cache_header(header);
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  };
+  lie(10'000'000);
+  EXPECT_TRUE(contains(finding_of(verified(), "frames.fascicle"),
+                       "missing or damaged at the end: frames 7 to 10000000"));
+  lie(10'000'001);
+  EXPECT_TRUE(contains(finding_of(verified(), "frames.fascicle"), "impossible frame rate, start or size"));
+}
+
+// A sparse file takes no space, whatever its length.
+TEST_F(Verify, IsNotHeldUpByAFileThatIsMuchTooLong) {
+  fs::resize_file(bake / "frames.fascicle", std::uint64_t{1} << 42);
+  EXPECT_TRUE(verified().is_good());
+}
+
 TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {
   bake::BakeOptions options = options_for(folder_ / "series");
   options.formats = {"obj"};

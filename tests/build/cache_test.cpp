@@ -454,6 +454,7 @@ TEST_F(FilledBodyTest, NoByteCanMakeItCrash) {
       for (const auto& t : read_.mesh.tetrahedra)
         for (const std::uint32_t corner : t) ASSERT_LT(corner, read_.mesh.vertices.size());
       for (const std::uint32_t joint : read_.skin.joint) ASSERT_LT(joint, 2u);
+      ASSERT_EQ(found_again_.fill.cage.ends.fate.size(), found_again_.fill.cage.ends.vertex.size());
     }
 }
 
@@ -471,6 +472,24 @@ TEST_F(FilledBodyTest, RefusesWhatTheBuildCouldNotRelyOn) {
   expect_refused([](auto& b) { b.render.corners[0][2] = 5; }, "a rider on nothing");
   expect_refused([](auto& b) { b.render.weights[1][0] = INFINITY; }, "a rider at infinity");
   expect_refused([](auto& b) { b.render.corners.pop_back(); }, "a rider too few");
+}
+
+// The report reads an entry of each array per end.
+TEST_F(FilledBodyTest, RefusesEndsOfUnequalArrays) {
+  build::OpenEnds& ends = found_.fill.cage.ends;
+  ends = {.vertex = {0, 2}, .edges = {3, 4}, .joint = {1, -1}, .width = {0.5, 0.25}, .fate = {0, 1}};
+  ASSERT_TRUE(reads(build::filled_body_bytes(body_, found_)));
+  EXPECT_EQ(found_again_.fill.cage.ends.width, ends.width);
+  const auto expect_ends_refused = [&](const std::function<void(build::OpenEnds&)>& spoil, const char* what) {
+    build::Report spoilt = found_;
+    spoil(spoilt.fill.cage.ends);
+    EXPECT_FALSE(reads(build::filled_body_bytes(body_, spoilt))) << what;
+  };
+  expect_ends_refused([](auto& e) { e.vertex.resize(200'000); }, "vertices without the rest");
+  expect_ends_refused([](auto& e) { e.edges.pop_back(); }, "an edge count too few");
+  expect_ends_refused([](auto& e) { e.joint.pop_back(); }, "a joint too few");
+  expect_ends_refused([](auto& e) { e.width.push_back(1.0); }, "a width too many");
+  expect_ends_refused([](auto& e) { e.fate.clear(); }, "no fates");
 }
 
 }  // namespace

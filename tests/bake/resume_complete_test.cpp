@@ -1,0 +1,129 @@
+// Resuming a bake that is complete, or that has files which `fascicle export` added later.
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "host/bake/export.h"
+#include "host/bake/manifest.h"
+#include "host/bake/verify.h"
+#include "tests/bake/fake_bakes.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::BakeOptions;
+using bake::BakeResult;
+
+// A file that is written again, or renamed and renamed back, gets another number or another time of change.
+std::map<std::string, std::pair<ino_t, long long>> marks_of(const fs::path& folder) {
+  std::map<std::string, std::pair<ino_t, long long>> marks;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    struct stat status {};
+    EXPECT_EQ(::lstat(entry.path().c_str(), &status), 0) << entry.path();
+    const long long changed = 1'000'000'000LL * status.st_ctim.tv_sec + status.st_ctim.tv_nsec;
+    marks[entry.path().lexically_relative(folder).string()] = {status.st_ino, changed};
+  }
+  return marks;
+}
+
+bool lists(const fs::path& folder, const std::string& name) {
+  const std::vector<std::string> files = manifest_in(folder)["files"];
+  return std::find(files.begin(), files.end(), name) != files.end();
+}
+
+TEST(BakeResume, ACompleteBakeIsNotTouched) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  const BakeResult whole = fake_bake_into(options, short_scene(4));
+  const auto before = marks_of(folder / "out");
+  options.resume = true;
+  const BakeResult result = fake_bake_into(options, short_scene(4));
+  EXPECT_EQ(marks_of(folder / "out"), before);
+  EXPECT_FALSE(result.interrupted);
+  EXPECT_EQ(result.frames_done, 4u);
+  EXPECT_EQ(result.last_position_hash, whole.last_position_hash);
+  EXPECT_EQ(result.files, whole.files);
+  ASSERT_EQ(result.report.notes.size(), 1u);
+  EXPECT_TRUE(contains(result.report.notes[0], "was complete"));
+
+  // A bake with more frames is one that the comparison notices.
+  fake_bake_into(options, short_scene(5));
+  EXPECT_NE(marks_of(folder / "out"), before);
+}
+
+TEST(BakeResume, ACompleteBakeIsNotTouchedByASignal) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto before = marks_of(folder / "out");
+  const std::atomic<bool> interrupted{true};
+  options.resume = true;
+  options.interrupted = &interrupted;
+  EXPECT_TRUE(fake_bake_into(options, short_scene(4)).interrupted);
+  EXPECT_EQ(marks_of(folder / "out"), before);
+  EXPECT_EQ(manifest_in(folder / "out")["status"], "complete");
+}
+
+// A bake that stops between the final renames has some files under their final names.
+TEST(BakeResume, TakesBackFinishedFiles) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto whole = content_of(folder / "out");
+  fs::rename(folder / "out/surface.pc2", folder / "out/surface.pc2.part");
+  fs::remove(folder / "out/vtu/series.pvd");
+  options.resume = true;
+  fake_bake_into(options, short_scene(4));
+  EXPECT_EQ(content_of(folder / "out"), whole);
+}
+
+TEST(BakeResume, KeepsWhatWasExported) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"obj"};
+  fake_bake_into(options, short_scene(4));
+  bake::export_bake({.bake = folder / "out", .formats = {"mdd"}});
+  const std::string exported = read_text(folder / "out/surface.mdd");
+  options.resume = true;
+  options.formats = {"obj", "pc2"};
+  fake_bake_into(options, short_scene(4));
+  EXPECT_EQ(read_text(folder / "out/surface.mdd"), exported);
+  EXPECT_TRUE(lists(folder / "out", "surface.mdd"));
+  EXPECT_TRUE(lists(folder / "out", "surface.pc2"));
+
+  // The same format asked of the bake itself is one file, and is listed once.
+  options.formats = {"mdd", "obj", "pc2"};
+  fake_bake_into(options, short_scene(4));
+  EXPECT_EQ(read_text(folder / "out/surface.mdd"), exported);
+  const std::vector<std::string> files = manifest_in(folder / "out")["files"];
+  EXPECT_EQ(std::count(files.begin(), files.end(), "surface.mdd"), 1);
+}
+
+TEST(BakeResume, RemovesWhatWasExportedFromFewerFrames) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"pc2"};
+  fake_bake_into(options, short_scene(4));
+  bake::export_bake({.bake = folder / "out", .formats = {"mdd", "obj"}});
+  write_text(folder / "out/mine.txt", "mine");
+  options.resume = true;
+  const BakeResult result = fake_bake_into(options, short_scene(6));
+  ASSERT_EQ(result.report.warnings.size(), 1u);
+  EXPECT_TRUE(contains(result.report.warnings[0], "(surface.mdd, obj/); export it again"));
+  EXPECT_FALSE(fs::exists(folder / "out/surface.mdd"));
+  EXPECT_FALSE(fs::exists(folder / "out/obj"));
+  EXPECT_FALSE(lists(folder / "out", "surface.mdd"));
+  EXPECT_TRUE(fs::exists(folder / "out/mine.txt"));
+  EXPECT_TRUE(bake::verify_bake({.bake = folder / "out"}).is_good());
+  EXPECT_EQ(bake::export_bake({.bake = folder / "out", .formats = {"mdd", "obj"}}).frames, 6u);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
