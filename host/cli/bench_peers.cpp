@@ -1,7 +1,9 @@
 #include "host/cli/bench_peers.h"
 
+#include <charconv>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include "host/base/process.h"
 
@@ -33,7 +35,11 @@ double run_peer(const std::string& kind, const std::array<std::uint32_t, 3>& gri
                         {.seconds = 600.0, .bytes = std::uint64_t{16} << 30});
   if (result.end != base::ProcessEnd::exited || result.code != 0)
     throw std::runtime_error(std::string(program_name) + " " + kind + " failed: " + result.last_words);
-  return std::stod(result.last_words);
+  const std::string& text = result.last_words;
+  double seconds = 0.0;
+  if (std::from_chars(text.data(), text.data() + text.size(), seconds).ec != std::errc())
+    throw std::runtime_error(std::string(program_name) + " " + kind + " gave no time: " + text);
+  return seconds;
 }
 
 }  // namespace fascicle::cli

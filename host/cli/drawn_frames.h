@@ -24,8 +24,10 @@ class DrawnFrames {
   const model::Model& model() const { return bake_ ? bake_->model() : built_; }
   bool is_bake() const { return bake_.has_value(); }
   std::uint64_t count() const { return bake_ ? bake_->frame_count() : 1; }
-  // s, from frame 0.
-  double time(std::uint64_t k) const { return bake_ ? static_cast<double>(k) / bake_->fps() : 0.0; }
+  // s of the clip, as in metrics.csv.
+  double time(std::uint64_t k) const {
+    return bake_ ? bake_->start() + static_cast<double>(k) / bake_->fps() : 0.0;
+  }
 
   // The flesh: the model's vertices, metres, 3 floats per vertex.
   std::vector<float> positions(std::uint64_t k) const;

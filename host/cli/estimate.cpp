@@ -18,6 +18,10 @@ model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::
   drive.bones = drive.bones.first(count * model.joint_count);
   drive.muscles = drive.muscles.first(count * model.muscle_count);
   drive.forces = drive.forces.first(count * model.force_count);
+  drive.colliders = drive.colliders.first(count * model.collider_count);
+  const auto left_out = std::find_if(drive.cuts.begin(), drive.cuts.end(),
+                                     [count](const model::Cut& cut) { return cut.substep >= count; });
+  drive.cuts = drive.cuts.first(static_cast<std::size_t>(left_out - drive.cuts.begin()));
   return drive;
 }
 

@@ -8,6 +8,7 @@
 #include "host/cli/command.h"
 #include "host/cli/model_vtu.h"
 #include "host/cli/open_ends.h"
+#include "host/cli/part_names.h"
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/rig/pose.h"
@@ -158,6 +159,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
   Json probes = Json::array();
   for (const model::ProbeSet& probe : model.probes)
     probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
+  const PartNames names = names_of_parts(scene);
   Json clips = Json::array();
   for (const rig::Clip& clip : clips_of(scene))
     clips.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
@@ -217,6 +219,8 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"skipped_regions", report.skipped_regions},
           {"frames", scene::frame_count(scene)},
           {"fps", scene.fps},
+          {"objects", names.objects},
+          {"materials", names.materials},
           {"clips", clips},
           {"characters", characters},
           {"clip", scene::clip_name(scene)},
@@ -253,6 +257,17 @@ std::string steps_text(const model::Model& model, const build::Steps& steps) {
 
 std::string millimetres(double metres) {
   return number_text(metres * 1e3) + " mm";
+}
+
+void print_parts(const scene::Scene& scene) {
+  const auto print = [](const char* title, const std::set<std::string>& names) {
+    if (names.empty()) return;
+    std::cout << title << "\n";
+    for (const std::string& name : names) std::cout << "  " << shown_text(name) << "\n";
+  };
+  const PartNames names = names_of_parts(scene);
+  print("objects", names.objects);
+  print("materials", names.materials);
 }
 
 void print_clips(const scene::Scene& scene) {
@@ -402,6 +417,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report);
   print_characters(scene);
+  print_parts(scene);
   print_clips(scene);
   std::vector<std::pair<std::string, std::string>> rows;
   std::cout << "layers\n";

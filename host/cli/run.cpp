@@ -51,6 +51,12 @@ ExitCode report(Log& log, const std::string& message, ExitCode code) {
   return code;
 }
 
+// Whether the disk is at fault, and not the name of the folder.
+bool is_of_the_disk(const std::error_code& code) {
+  return code == std::errc::no_space_on_device || code == std::errc::io_error ||
+         code == std::errc::file_too_large || code.value() == EDQUOT;
+}
+
 ExitCode run_command(const Command& command, Log& log) {
   try {
     const ExitCode code = command.run(log);
@@ -81,6 +87,8 @@ ExitCode run_command(const Command& command, Log& log) {
   } catch (const bake::NotFinite& error) {
     return report(log, error.what(), ExitCode::not_finite);
   } catch (const std::filesystem::filesystem_error& error) {
+    if (is_of_the_disk(error.code()))
+      return report(log, error.path1().string() + ": " + error.code().message(), ExitCode::unforeseen);
     return report(log, error.path1().string() + ": " + error.code().message() + "; choose another folder",
                   ExitCode::bad_input);
   } catch (const std::bad_alloc&) {

@@ -7,6 +7,7 @@
 #include "host/build/bone_choice.h"
 #include "host/build/join_bodies.h"
 #include "host/cli/command.h"
+#include "host/cli/part_names.h"
 #include "host/cli/text.h"
 
 namespace fascicle::cli {
@@ -40,11 +41,7 @@ std::string use_text(const build::JointReport& joint) {
 
 // Prints measurements of a character, as comments.
 void print_character(const scene::Scene& scene, const rig::Character& character) {
-  std::set<std::string> objects, materials;
-  for (const rig::SurfacePart& part : character.parts) {
-    objects.insert(part.object);
-    if (!part.material.empty()) materials.insert(part.material);
-  }
+  const auto& [objects, materials] = names_of_parts(scene);
   std::cout << "# Extent: " << extent_text(character.surface.vertices, scene.scale) << " (x, y, z); "
             << count_text(character.surface.vertices.size()) << " vertices, "
             << count_text(character.surface.triangles.size()) << " triangles\n";

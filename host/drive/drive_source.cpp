@@ -73,8 +73,8 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
                                   ", the model " + std::to_string(of_model));
     }
   };
-  const rig::Character* character = nullptr;
-  if (model.has_skeleton()) character = std::get_if<rig::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  if (character != nullptr && character->skeleton.empty()) character = nullptr;
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("colliders", scene.colliders.size(), model.collider_count);
@@ -332,7 +332,7 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
     for (std::size_t j = 0; j < to.size(); ++j) {
       const double a = impl.felt->of_joint(j, before, at, to, impl.h());
       if (a > std::max(impl.felt->limit(j), of_joint[j].acceleration))
-        of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count + substeps - 1) / substeps};
+        of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count - 2 + substeps) / substeps};
     }
   }
   for (const Thrown& joint : of_joint)

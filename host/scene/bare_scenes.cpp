@@ -1,8 +1,9 @@
 #include "host/scene/bare_scenes.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
-#include <iomanip>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -63,10 +64,14 @@ void check_size(const std::string& what, double size, double longest, const std:
 }
 
 std::string rounded(double value) {
-  // A stream can write numbers that TOML does not accept, such as "213." or "1.e+03".
-  std::ostringstream out;
-  out << std::setprecision(3) << value;
-  const std::string text = shortest(std::stod(out.str()));
+  // Whatever the locale of the program that calls this library. The digits alone may be no TOML, as in
+  // "1e+03".
+  std::array<char, 32> digits{};
+  const auto [end, ignored] =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 3);
+  double number = value;
+  std::from_chars(digits.data(), end, number);
+  const std::string text = shortest(number);
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 

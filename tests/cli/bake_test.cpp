@@ -294,6 +294,19 @@ TEST(Bake, DryRunWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "bake"));
 }
 
+// A frame has twelve substeps here, more than the estimate runs: solids move and clips are cut in any of
+// them.
+TEST(Bake, DryRunTakesScenesWithSolidsAndCuts) {
+  for (const std::vector<std::string>& scene :
+       {std::vector<std::string>{"squeeze", "--set", "solver.substeps=12"},
+        std::vector<std::string>{"arm", "--set", "motion.cuts=[0.0153]"}}) {
+    std::vector<std::string> command{"bake", "--device", "cpu", "--dry-run", "--end", "0.1"};
+    command.insert(command.end(), scene.begin(), scene.end());
+    const Outcome outcome = fascicle(command);
+    EXPECT_EQ(outcome.status, 0) << scene[0] << ": " << outcome.err;
+  }
+}
+
 // The body is so light that the force's acceleration overflows floats.
 TEST(Bake, LeavingTheFiniteNumbersIsFive) {
   const TemporaryFolder folder;

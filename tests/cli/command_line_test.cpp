@@ -1,4 +1,5 @@
 // The executable's interface: help, errors and their exit codes, the commands that only print, the log.
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/scene/scene.h"
+#include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -220,6 +222,23 @@ TEST(CommandLine, InspectTellsWhatMusclesHaveBecome) {
   EXPECT_EQ(muscles[0].at("bone"), "upper_arm");
   EXPECT_GT(muscles[0].at("bulging_regions"), 300);
   EXPECT_GT(muscles[0].at("regions"), muscles[0].at("bulging_regions"));
+}
+
+TEST(CommandLine, InspectNamesThePartsOfACharacter) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);
+  const std::string file = folder / "named.glb";
+  std::filesystem::copy_file(folder / "arm/character.glb", file);
+  change_glb(file, [](nlohmann::json& document) {
+    document["materials"] = {{{"name", "skin\x1b[31m"}}};
+    for (nlohmann::json& mesh : document["meshes"])
+      for (nlohmann::json& primitive : mesh["primitives"]) primitive["material"] = 0;
+  });
+  const Outcome text = fascicle({"inspect", file});
+  EXPECT_TRUE(contains(text.out, "objects\n  body\nmaterials\n  skin\\x1b[31m\n")) << text.out << text.err;
+  const nlohmann::json report = nlohmann::json::parse(fascicle({"inspect", file, "--json"}).out);
+  EXPECT_EQ(report["objects"], nlohmann::json({"body"}));
+  EXPECT_EQ(report["materials"], nlohmann::json({"skin\x1b[31m"}));
 }
 
 }  // namespace

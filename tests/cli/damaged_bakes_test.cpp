@@ -219,6 +219,30 @@ TEST_F(DamagedBake, TheManifestIsHeldAgainstItsChecksum) {
   }
 }
 
+// A bar without joints, and a scene whose solids are bound to joints.
+TEST_F(DamagedBake, TheSceneIsHeldAgainstTheModel) {
+  const fs::path scene = folder_ / "bound.toml";
+  write_text(
+      scene,
+      read_text(fs::path(FASCICLE_SOURCE_DIR) / "scenes/arm.toml") +
+          "[collider.a]\nshape = \"sphere\"\nradius = 0.01\ncenter = [0.0, 1.0, 0.0]\njoint = \"forearm\"\n"
+          "[collider.b]\nshape = \"sphere\"\nradius = 0.01\ncenter = [0.0, 1.0, 0.0]\njoint = \"hand\"\n");
+  const std::string of_arm = folder_ / "bound";
+  const Outcome made = fascicle(bake_command(scene, of_arm));
+  ASSERT_EQ(made.status, 0) << made.err;
+  take("squeeze");
+  json manifest = json::parse(read_text(out_ + "/manifest.json"));
+  const json other = json::parse(read_text(of_arm + "/manifest.json"));
+  for (const char* key : {"scene", "inputs"}) manifest[key] = other[key];
+  const Outcome control = fascicle({"render", out_, "-o", folder_ / "control.png"});
+  ASSERT_EQ(control.status, 0) << control.err;
+  write_text(out_ + "/manifest.json", bake::sealed_text(manifest));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"render", out_, "-o", folder_ / "a.png"},
+        std::vector<std::string>{"report", out_, "-o", folder_ / "a.html"}})
+    expect_bad_input(fascicle(command), "different bakes");
+}
+
 TEST_F(DamagedBake, LostFilesAreNamed) {
   for (const char* file : {"frames.fascicle", "model.fascicle", "manifest.json"}) {
     SCOPED_TRACE(file);

@@ -46,5 +46,12 @@ TEST(Inputs, FilesAreReadInOnePlace) {
   EXPECT_NE(places_of("std::ifstream", {}), std::vector<std::string>{});
 }
 
+// A program that calls the library may have set a locale with a decimal comma.
+TEST(Inputs, NumbersAreReadWhateverTheLocale) {
+  for (const char* word : {"stod(", "stof(", "strtod(", "strtof(", "atof("})
+    EXPECT_EQ(places_of(word, {}), std::vector<std::string>{}) << word;
+  EXPECT_NE(places_of("from_chars(", {}), std::vector<std::string>{});
+}
+
 }  // namespace
 }  // namespace fascicle::tests

@@ -1,0 +1,60 @@
+// Scenes of meshes and characters that are given without one.
+#include "host/scene/bare_scenes.h"
+
+#include <locale>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/scene_file.h"
+
+namespace fascicle::tests {
+namespace {
+
+mesh::SurfaceMesh tetrahedron_of(double size) {
+  mesh::SurfaceMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return mesh;
+}
+
+// Decimal comma and grouped digits, as in a German locale.
+struct GermanNumbers final : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+std::vector<std::string> scenes_of_many_sizes() {
+  std::vector<std::string> scenes;
+  for (double size = 1e-5; size < 1e5; size *= 3.7)
+    scenes.push_back(scene::scene_for_mesh("a.obj", tetrahedron_of(size), 1.0));
+  return scenes;
+}
+
+TEST(BareScenes, AreTheSameInEveryLocale) {
+  const std::vector<std::string> plain = scenes_of_many_sizes();
+  const std::locale old = std::locale::global(std::locale(std::locale::classic(), new GermanNumbers));
+  std::ostringstream control;
+  control << 1234.5;
+  const std::vector<std::string> german = scenes_of_many_sizes();
+  std::locale::global(old);
+  EXPECT_EQ(control.str(), "1.234,5");
+  EXPECT_EQ(german, plain);
+}
+
+// Three digits, of which none is lost with the point or the exponent.
+TEST(BareScenes, RoundStiffness) {
+  // 60 x 1000 kg/m^3 x 9.81 m/s^2 = 588,600 Pa per metre, and 1.6 / s x sqrt(9.81 m/s^2 / size).
+  const std::string one = scene::scene_for_mesh("a.obj", tetrahedron_of(1.0), 1.0);
+  EXPECT_NE(one.find("youngs_modulus = 589000.0\n"), std::string::npos) << one;
+  EXPECT_NE(one.find("damping = 5.01\n"), std::string::npos) << one;
+  const std::string small = scene::scene_for_mesh("a.obj", tetrahedron_of(1.0), 0.001);
+  EXPECT_NE(small.find("youngs_modulus = 589.0\n"), std::string::npos) << small;
+  EXPECT_NE(small.find("damping = 158.0\n"), std::string::npos) << small;
+}
+
+}  // namespace
+}  // namespace fascicle::tests
