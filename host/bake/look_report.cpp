@@ -112,7 +112,7 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
       if (of_measure == score && score > summary.worst) {
         summary.worst = score;
         summary.frame = frame;
-        summary.joint = (*row)[joint];
+        summary.joint = base::csv_text((*row)[joint]);
         summary.cause = name_of(static_cast<LookMeasure>(m));
       }
     }

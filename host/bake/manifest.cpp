@@ -224,6 +224,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   // Frame 0 is the pose at the start and is written too.
   const std::uint64_t frames_done = hashes.empty() ? 0 : hashes.size() - 1;
   std::vector<std::string> warnings = options.warnings;
+  warnings.insert(warnings.end(), progress.warnings.begin(), progress.warnings.end());
   if (progress.look)
     warnings.insert(warnings.end(), progress.look->warnings.begin(), progress.look->warnings.end());
   const std::uint64_t first_number = number_of_first(scene, options);

@@ -35,6 +35,7 @@ struct Progress {
   ClampedMuscles clamped;
   std::optional<LookSummary> look;    // for a complete bake of a character
   std::optional<double> loop_jump;    // m, for a complete seamless loop
+  std::vector<std::string> warnings;  // besides those of BakeOptions and the look
   std::vector<std::string> exported;  // files that `fascicle export` added to the bake's folder
 };
 

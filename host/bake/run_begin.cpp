@@ -80,7 +80,8 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
     ++before_.runs;
     const std::vector<std::string> known = all_file_names(), own = file_names(model_, options_.formats);
     for (const std::string& name : manifest->files)
-      if (is_among(known, name) && !is_among(own, name)) progress_.exported.push_back(name);
+      if (is_among(known, name) && !is_among(own, name) && fs::exists(options_.folder / name))
+        progress_.exported.push_back(name);
   }
   return found;
 }
@@ -101,8 +102,9 @@ void Run::begin_other_files(const Checkpoint& from) {
   if (manifest && manifest->frames != frames_ && !progress_.exported.empty()) {
     std::string list;
     for (const std::string& name : progress_.exported) list += (list.empty() ? "" : ", ") + name;
-    report_.warnings.push_back("removed what was exported from the earlier frames (" + list +
-                               "); export it again");
+    progress_.warnings.push_back("removed what was exported from the earlier frames (" + list +
+                                 "); export it again");
+    report_.warnings.push_back(progress_.warnings.back());
     remove_files(options_.folder, progress_.exported);
     progress_.exported.clear();
   }
@@ -123,7 +125,8 @@ std::optional<BakeResult> Run::done_without_frames() {
   return result;
 }
 
-// A complete bake whose files are all there is left as it is: other programs may be reading them.
+// A complete bake whose files are all there is left as it is: other programs may be reading them. A signal
+// ends the checks early; nothing is left to resume then either.
 std::optional<BakeResult> Run::done_before(const Checkpoint& last) {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   const bool is_complete = manifest && manifest->status == name_of(Status::complete);
@@ -133,9 +136,8 @@ std::optional<BakeResult> Run::done_before(const Checkpoint& last) {
   if (cache.header() != cache_header(model_, scene_.fps, scene_.start, frames_)) return std::nullopt;
   const VerifyResult verified = verify_bake({.bake = options_.folder, .interrupted = options_.interrupted});
   if (!verified.is_good()) return std::nullopt;
-  interrupted_ = verified.interrupted;
-  if (!interrupted_) take_look();
-  if (!interrupted_ && scene_.motion.seamless) {
+  take_look();
+  if (scene_.motion.seamless) {
     const model::Frame first = cache.read(0);
     progress_.loop_jump =
         drive::largest_distance(model_, first.positions, first.origin, drives_.begun_again(last.state));

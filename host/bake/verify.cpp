@@ -12,8 +12,10 @@
 #include "host/bake/read_frame_cache.h"
 #include "host/base/file.h"
 #include "host/base/text.h"
+#include "host/formats/frame_files.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface_objects.h"
+#include "host/formats/vtk_xml.h"
 #include "host/model/validate.h"
 
 namespace fascicle::bake {
@@ -44,7 +46,7 @@ class Verification {
       else if (name == metrics_name)
         look_at(name, [&] { return metrics_finding(); });
       else
-        result_.files.push_back({name, "there", true});
+        look_at(name, [&] { return output_finding(name); });
     }
     return std::move(result_);
   }
@@ -120,6 +122,38 @@ class Verification {
     const model::Model model = read_model_file(path_of(model_file_name), hash);
     return base::number_text(model.vertex_count) + " vertices, good";
   }
+
+  // Files for other programs. Their bytes have no checksum, but must all be there.
+  std::string output_finding(const std::string& name) const {
+    const auto is_of_format = [&](const formats::Format& format) { return format.file == name; };
+    const auto format = std::find_if(all_formats().begin(), all_formats().end(), is_of_format);
+    if (!is_complete_) return "there";
+    if (!name.ends_with('/')) {
+      const std::uint64_t size = fs::file_size(path_of(name));
+      if (size == 0) throw Wrong("is empty");
+      const bool is_point_cache =
+          format != all_formats().end() && (format->name == "pc2" || format->name == "mdd");
+      if (is_point_cache &&
+          size != format->bytes(read_model_file(path_of(model_file_name), {}), frame_files()))
+        throw Wrong("has " + base::number_text(size) + " bytes, which are not all frames or too many");
+      return "there";
+    }
+    if (format == all_formats().end()) return "there";  // textures, as many as the character has
+    const auto lacks = [&](const std::string& file) {
+      std::error_code error;
+      return !fs::is_regular_file(path_of(file), error) || fs::file_size(path_of(file), error) == 0;
+    };
+    const std::string extension = name.substr(0, name.size() - 1);
+    const auto hold = [&](const std::string& file) {
+      if (lacks(file)) throw Wrong("lacks " + file);
+    };
+    for (std::uint64_t k = 0; k < frame_files(); ++k)
+      hold(name + formats::frame_file_name(manifest_.first_number + k, extension));
+    for (const std::string& file : format->beside)
+      if (file == name + formats::vtk_series) hold(file);
+    return base::number_text(frame_files()) + " frames, there";
+  }
+  std::uint64_t frame_files() const { return manifest_.frames + 1; }
 
   std::string checkpoint_finding() const {
     const std::optional<Checkpoint> found = read_checkpoint(path_of(checkpoint_name));

@@ -33,8 +33,9 @@ struct VerifyResult {
 
 // Checks the checksum of each frame and the manifest's hash of its positions, the model against the hash in
 // the frames, and the checkpoint's checksum; metrics must have a row per frame, and everything that a
-// complete bake lists must exist. Files for other programs only need to exist; they are not read. An
-// unfinished bake may lack files that come later. Throws BakeError if the folder holds no bake.
+// complete bake lists must exist. Files for other programs are not read, but none may be empty, folders must
+// have a file per frame, and point caches their length. An unfinished bake may lack files that come later.
+// Throws BakeError if the folder holds no bake.
 VerifyResult verify_bake(const VerifyOptions& options);
 
 // Numbers as ranges in text: 3, 7 to 9. At most 12 groups, then "and more".

@@ -38,10 +38,22 @@ std::vector<std::string> csv_columns(std::string_view line, const std::filesyste
   return csv_fields(line);
 }
 
+namespace {
+
+bool is_formula(std::string_view text) {
+  return !text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string csv_text(std::string field) {
+  if (field.starts_with('\'') && is_formula(std::string_view(field).substr(1))) field.erase(0, 1);
+  return field;
+}
+
 std::string csv_field(std::string_view text) {
   std::string shown = shown_text(text);
-  if (!shown.empty() && std::string_view("=+-@").find(shown.front()) != std::string_view::npos)
-    shown.insert(shown.begin(), '\'');
+  if (is_formula(shown)) shown.insert(shown.begin(), '\'');
   if (shown.find_first_of(",\"") == std::string::npos) return shown;
   std::string quoted = "\"";
   for (const char c : shown) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);

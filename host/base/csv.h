@@ -24,5 +24,7 @@ std::vector<std::string> csv_columns(std::string_view line, const std::filesyste
 // in base::shown_text. A leading = + - or @, at which spreadsheets would take the text for a formula, gets a
 // ' before it.
 std::string csv_field(std::string_view text);
+// The text of a field that csv_field wrote and csv_fields read, without the ' before it. Escapes stay.
+std::string csv_text(std::string field);
 
 }  // namespace fascicle::base

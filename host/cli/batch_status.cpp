@@ -129,6 +129,8 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   const auto is_newer = [](const auto& time, const auto& other) {
     return time && (!other || *time >= *other);
   };
+  // A bake whose folder is gone is not done, whatever was written of it.
+  if (!written && row.exit_status && word_of_status(*row.exit_status) == "done") row.exit_status.reset();
   const bool summary_is_newest =
       row.exit_status && is_newer(summary_written, written) && is_newer(summary_written, recorded);
   if (manifest) {

@@ -260,14 +260,11 @@ std::string millimetres(double metres) {
 }
 
 void print_parts(const scene::Scene& scene) {
-  const auto print = [](const char* title, const std::set<std::string>& names) {
-    if (names.empty()) return;
-    std::cout << title << "\n";
-    for (const std::string& name : names) std::cout << "  " << shown_text(name) << "\n";
-  };
   const PartNames names = names_of_parts(scene);
-  print("objects", names.objects);
-  print("materials", names.materials);
+  for (const auto* list : {&names.objects, &names.materials}) {
+    if (!list->empty()) std::cout << (list == &names.objects ? "objects\n" : "materials\n");
+    for (const std::string& name : *list) std::cout << "  " << shown_text(name) << "\n";
+  }
 }
 
 void print_clips(const scene::Scene& scene) {

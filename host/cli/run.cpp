@@ -1,9 +1,11 @@
 // The command line as a whole: parsing, and the handling of each kind of error.
+#include <cerrno>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "gpu/device.h"

@@ -88,7 +88,7 @@ std::string merge_script(const fs::path& folder, const FarmBatch& batch, const s
   text += directive("--output=log/merge.txt");
   if (!options.empty()) text += directive(options);
   return text + "\nexec " + in_quotes(batch.program.string()) + " batch status " +
-         in_quotes(folder.string()) + " --merge\n";
+         in_quotes(folder.string()) + " --output " + in_quotes(batch.jobs.output.string()) + " --merge\n";
 }
 
 // Slurm expands % in the name of a log's folder. If there is one, give the full name with each % doubled.

@@ -50,7 +50,7 @@ FrameScores read_frame_scores(const fs::path& folder) {
     double inverted = 0.0, lag = 0.0, cause = 0.0;
     for (std::size_t c = 1; c < columns.size(); ++c) {
       const std::string& name = columns[c];
-      if (name == bake::look_joint_column) score.joint = fields[c];
+      if (name == bake::look_joint_column) score.joint = base::csv_text(fields[c]);
       const std::optional<double> read = csv_number(fields[c]);
       if (!read || name == bake::look_joint_column) continue;
       const double value = badness_of(*read);

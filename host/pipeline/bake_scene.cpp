@@ -211,11 +211,11 @@ void say_result(const bake::BakeResult& result, const Say& say) {
   for (const std::string& image : result.missing_images)
     say_warning(say, "the character's image " + image +
                          " was not found; character.glb has a white pixel in its place");
+  for (const std::string& warning : result.report.warnings) say_warning(say, warning);
   if (result.interrupted) return;
   if (result.look)
     for (const std::string& warning : result.look->warnings) say_warning(say, warning);
   for (const std::string& note : result.report.notes) say_info(say, note);
-  for (const std::string& warning : result.report.warnings) say_warning(say, warning);
 }
 
 void refuse_unwritable(const std::string& option, const std::string& file, bool folders) {

@@ -66,7 +66,9 @@ TEST(BakeResume, ACompleteBakeIsNotTouchedByASignal) {
   const std::atomic<bool> interrupted{true};
   options.resume = true;
   options.interrupted = &interrupted;
-  EXPECT_TRUE(fake_bake_into(options, short_scene(4)).interrupted);
+  const BakeResult result = fake_bake_into(options, short_scene(4));
+  EXPECT_FALSE(result.interrupted) << "nothing is left to resume";
+  EXPECT_EQ(result.frames_done, 4u);
   EXPECT_EQ(marks_of(folder / "out"), before);
   EXPECT_EQ(manifest_in(folder / "out")["status"], "complete");
 }
@@ -123,6 +125,58 @@ TEST(BakeResume, RemovesWhatWasExportedFromFewerFrames) {
   EXPECT_TRUE(fs::exists(folder / "out/mine.txt"));
   EXPECT_TRUE(bake::verify_bake({.bake = folder / "out"}).is_good());
   EXPECT_EQ(bake::export_bake({.bake = folder / "out", .formats = {"mdd", "obj"}}).frames, 6u);
+}
+
+// The next bake mends the list, so that the folder is whole again.
+TEST(BakeResume, ForgetsAnExportThatIsGone) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"pc2"};
+  fake_bake_into(options, short_scene(4));
+  bake::export_bake({.bake = folder / "out", .formats = {"mdd"}});
+  fs::remove(folder / "out/surface.mdd");
+  EXPECT_FALSE(bake::verify_bake({.bake = folder / "out"}).is_good());
+  options.resume = true;
+  fake_bake_into(options, short_scene(4));
+  EXPECT_FALSE(lists(folder / "out", "surface.mdd"));
+  EXPECT_TRUE(bake::verify_bake({.bake = folder / "out"}).is_good());
+}
+
+// Files for other programs have no checksums, but a complete bake has all of them.
+TEST(BakeResume, OutputsThatAreNotWholeAreWrittenAgain) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto whole = content_of(folder / "out");
+  options.resume = true;
+  for (const std::string name : {"surface.glb", "surface.usda", "vtu/series.pvd"})
+    for (const bool is_empty : {false, true}) {
+      fs::remove(folder / ("out/" + name));
+      if (is_empty) write_text(folder / ("out/" + name), "");
+      EXPECT_FALSE(bake::verify_bake({.bake = folder / "out"}).is_good()) << name;
+      fake_bake_into(options, short_scene(4));
+      EXPECT_EQ(content_of(folder / "out"), whole) << name;
+    }
+}
+
+TEST(BakeResume, OutputsThatCannotBeWrittenAgainAreMissed) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  const auto refusal = [&](const auto& damage) {
+    options.resume = false;
+    options.overwrite = true;
+    fake_bake_into(options, short_scene(4));
+    damage();
+    EXPECT_FALSE(bake::verify_bake({.bake = folder / "out"}).is_good());
+    options.overwrite = false;
+    options.resume = true;
+    return message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); });
+  };
+  EXPECT_TRUE(
+      contains(refusal([&] { fs::remove(folder / "out/obj/frame_000002.obj"); }), "frame_000002.obj"));
+  for (const char* name : {"surface.pc2", "surface.mdd"})
+    EXPECT_TRUE(contains(refusal([&] { fs::resize_file(folder / ("out/" + std::string(name)), 100); }),
+                         std::string(name) + ".part: holds fewer frames than the checkpoint"));
 }
 
 }  // namespace

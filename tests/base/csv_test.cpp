@@ -34,6 +34,7 @@ TEST(Csv, AFieldIsNoFormula) {
   EXPECT_EQ(csv_field("-a"), "'-a");
   EXPECT_EQ(csv_field("@a"), "'@a");
   EXPECT_EQ(csv_field("a=1"), "a=1");
+  for (const char* text : {"=1+1", "-a", "'", "'a", "a"}) EXPECT_EQ(base::csv_text(csv_field(text)), text);
 }
 
 TEST(Csv, ColumnsAreCountedBeforeTheyAreRead) {

@@ -106,6 +106,17 @@ TEST(BatchStatus, ARefusalAfterABakeStaysAFailure) {
   EXPECT_TRUE(contains(done.out, ": 1 done\n")) << done.out;
 }
 
+TEST(BatchStatus, ABakeWhoseFolderIsGoneIsNotDone) {
+  const ListedBar bar;
+  ASSERT_EQ(fascicle({"batch", bar.list()}).status, 0);
+  fs::remove_all(bar.output() + "/bar");
+  for (const std::string& batch : {bar.list(), bar.output()}) {
+    const Outcome outcome = status_of(batch);
+    EXPECT_EQ(outcome.status, 75) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, "bar  not begun")) << outcome.out;
+  }
+}
+
 TEST(BatchStatus, ExitsAsTheFirstFailureDid) {
   const ListedBar bar;
   for (const auto& [exit_status, wanted] :
@@ -134,11 +145,11 @@ TEST(BatchStatus, TakesOnlyNamesThatAListCanMake) {
   }
   const std::string honest = "Bar-walk_2-0.5";
   bar.write_plan(honest, bar.output());
-  bar.write_summary(honest, 0);
+  bar.write_summary(honest, 5);
   for (const std::string& batch : {bar.job(), bar.output()}) {
     const Outcome outcome = status_of(batch);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_TRUE(contains(outcome.out, honest + "  done")) << outcome.out;
+    EXPECT_EQ(outcome.status, 5) << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, honest + "  failed: bad")) << outcome.out;
   }
 }
 
@@ -160,10 +171,10 @@ TEST(BatchStatus, TakesOnlyExitStatusesThatAProcessHas) {
     EXPECT_TRUE(contains(outcome.out, "bar  not begun")) << outcome.out;
     EXPECT_TRUE(contains(outcome.err, ".outcomes/bar.json: is damaged")) << outcome.err;
   }
-  for (const int value : {0, 255}) {
+  for (const int value : {75, 255}) {
     bar.write_summary("bar", value);
     fs::remove_all(bar.output() + "/.outcomes");
-    EXPECT_EQ(status_of(bar.output()).status, value == 0 ? 0 : 1) << value;
+    EXPECT_EQ(status_of(bar.output()).status, value == 75 ? 75 : 1) << value;
   }
 }
 

@@ -80,7 +80,11 @@ void expect_sums_of_one(const gltf::GltfDocument& document) {
 
 TEST(RepairWeights, LeavesGoodWeightsAlone) {
   const GltfBuilder b = column_of(weights_with([](std::size_t, float* w) { w[0] += 0.0005f; }));
-  EXPECT_EQ(attributes_of(packed(b).json), attributes_of(b.document));
+  const gltf::GltfDocument document = packed(b);
+  for (const char* list : {"accessors", "bufferViews", "meshes"})
+    EXPECT_EQ(document.json[list].size(), b.document[list].size()) << list;
+  EXPECT_EQ(attributes_of(document.json), attributes_of(b.document));
+  EXPECT_EQ(document.binary, std::string(b.bytes.begin(), b.bytes.end()));
 }
 
 TEST(RepairWeights, MakesTheirSumOne) {
