@@ -269,15 +269,16 @@ void print_parts(const scene::Scene& scene) {
 
 void print_clips(const scene::Scene& scene) {
   std::vector<std::pair<std::string, std::string>> rows;
-  const auto add = [&](const rig::Clip& clip, const std::string& owner, const std::string& played) {
-    rows.emplace_back(owner + clip.name, number_text(clip.duration, 3) + " s" +
-                                             (clip.name == played ? ", the one to bake" : ""));
+  const auto add = [&](const rig::Character& character, const std::string& asked, const std::string& owner) {
+    const rig::Clip* played = rig::find_clip(character, asked);  // names may be equal
+    for (const rig::Clip& clip : character.clips)
+      rows.emplace_back(owner + clip.name,
+                        number_text(clip.duration, 3) + " s" + (&clip == played ? ", the one to bake" : ""));
   };
-  if (scene.characters.empty())
-    for (const rig::Clip& clip : clips_of(scene)) add(clip, "", scene::clip_name(scene));
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  if (scene.characters.empty() && character != nullptr) add(*character, scene.clip, "");
   for (const scene::PlacedCharacter& one : scene.characters)
-    for (const rig::Clip& clip : one.own.clips)
-      add(clip, one.settings.name + "/", rig::find_clip(one.own, one.settings.clip)->name);
+    add(one.own, one.settings.clip, one.settings.name + "/");
   if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);
 }
 

@@ -143,6 +143,7 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
 
   for (const int n : nodes) {
     rig::Joint joint = make_joint(model.nodes[static_cast<std::size_t>(n)]);
+    if (joint.name.empty()) joint.name = "node " + std::to_string(n);
     const int parent = parents[static_cast<std::size_t>(n)];
     joint.parent = parent < 0 ? -1 : joint_of[static_cast<std::size_t>(parent)];
     joint.skins = is_joint[static_cast<std::size_t>(n)];

@@ -90,6 +90,16 @@ TEST(Gltf, column_bends) {
   EXPECT_LT((p[9] - Vector3d(-1, 1.25, 0.25)).norm(), float_rounding);
 }
 
+// So that a scene can name them.
+TEST(Gltf, joints_without_a_name_have_their_nodes_number) {
+  GltfBuilder b = column();
+  b.document["nodes"][1].erase("name");
+  b.document["nodes"][2]["name"] = "";
+  std::vector<std::string> names;
+  for (const rig::Joint& joint : read(b).skeleton) names.push_back(joint.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"node 1", "node 2"}));
+}
+
 TEST(Gltf, glb_and_external_buffers_read_alike) {
   const GltfBuilder builder = column();
   const Character inside = read(builder);
