@@ -96,6 +96,10 @@ def hold_verified(folder):
         hold(done.returncode == DONE, "%s: verify exited with %d: %s" % (folder, done.returncode, done.stderr))
 
 
+def everything_in(folder):
+    return [os.path.join(parent, name) for parent, _, names in os.walk(folder) for name in names]
+
+
 class Kept:
     """A snapshot of a folder, for later comparison. Keeps the frames open so that no new file gets their inode."""
 
@@ -104,6 +108,8 @@ class Kept:
         self.checkpoint = frame_of_checkpoint(folder)
         said = manifest(folder)
         self.runs = None if said is None else said["timings"]["runs"]
+        self.complete = said is not None and said["status"] == "complete"
+        self.marks = self.marks_now()
         self.names = set(files(folder))
         path = os.path.join(folder, GROWING)
         self.frames = open(path, "rb") if os.path.exists(path) else None
@@ -114,6 +120,11 @@ class Kept:
     def __exit__(self, *_):
         if self.frames:
             self.frames.close()
+
+    def marks_now(self):
+        """Of each file what changes if it is written again, or renamed."""
+        status = {path: os.lstat(path) for path in everything_in(self.folder)}
+        return {path: (now.st_ino, now.st_ctime_ns) for path, now in status.items()}
 
     def hold_still_there(self):
         """Nothing was lost since the snapshot. Without a checkpoint anything goes: a resumed bake starts over. A
@@ -132,7 +143,12 @@ class Kept:
             hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was lost")
 
     def hold_gone_on(self):
-        """A resumed bake continued what was there: the same frames file, and one more run."""
+        """A resumed bake continued what was there: the same frames file, and one more run. A complete one was left as
+        it was."""
+        if self.complete:
+            changed = [path for path, mark in self.marks_now().items() if self.marks.get(path) != mark]
+            hold(not changed, "complete, but written again: " + ", ".join(sorted(changed)))
+            return
         said = manifest(self.folder)["timings"]["runs"]
         hold(self.runs is not None and said == self.runs + 1,
              "%s: run %s was resumed, but the manifest counts %d runs" % (self.folder, self.runs, said))
