@@ -108,7 +108,7 @@ class Kept:
         self.checkpoint = frame_of_checkpoint(folder)
         said = manifest(folder)
         self.runs = None if said is None else said["timings"]["runs"]
-        self.complete = said is not None and said["status"] == "complete"
+        self.frames_asked = said["frames"] if said is not None and said["status"] == "complete" else None
         self.marks = self.marks_now()
         self.names = set(files(folder))
         path = os.path.join(folder, GROWING)
@@ -142,13 +142,12 @@ class Kept:
                 continue
             hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was lost")
 
+    def hold_untouched(self):
+        changed = sorted(path for path, mark in self.marks_now().items() if self.marks.get(path) != mark)
+        hold(not changed, "complete, but %d files were written again, such as %s" % (len(changed), changed[:1]))
+
     def hold_gone_on(self):
-        """A resumed bake continued what was there: the same frames file, and one more run. A complete one was left as
-        it was."""
-        if self.complete:
-            changed = [path for path, mark in self.marks_now().items() if self.marks.get(path) != mark]
-            hold(not changed, "complete, but written again: " + ", ".join(sorted(changed)))
-            return
+        """A resumed bake continued what was there: the same frames file, and one more run."""
         said = manifest(self.folder)["timings"]["runs"]
         hold(self.runs is not None and said == self.runs + 1,
              "%s: run %s was resumed, but the manifest counts %d runs" % (self.folder, self.runs, said))
@@ -265,7 +264,9 @@ class Bake:
             done = self.run(folder, "--resume", *more)
             hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
             self.hold_whole(folder)
-            if kept.checkpoint is not None:
+            if kept.names == set(self.whole) and kept.frames_asked == len(self.hashes) - 1:
+                kept.hold_untouched()
+            elif kept.checkpoint is not None:
                 kept.hold_gone_on()
             return kept.checkpoint is not None
 
@@ -338,6 +339,7 @@ def control_of_going_on(bakes):
         hold(done.returncode == DONE, done.stderr)
         bake.hold_whole(folder)
         must_be_found(kept.hold_gone_on, "a bake that starts over")
+        must_be_found(kept.hold_untouched, "a complete bake that is written again")
     with Kept(folder) as kept:
         os.remove(os.path.join(folder, "surface.pc2"))
         must_be_found(kept.hold_still_there, "a lost file")
