@@ -39,8 +39,8 @@
 #                         and count reports; --write records each suite in docs/tests.md (hours)
 #   ./do coverage [--write] [--missed] [CTEST...]   run the tests and count the lines of the rooms that they cover;
 #                         --write records them in docs/tests.md, --missed lists files (an hour)
-#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   fuzz the file readers with libFuzzer, a minute
-#                         each; --write writes docs/fuzzing.md
+#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write]   fuzz the file readers with
+#                         libFuzzer, a minute each; --write writes docs/fuzzing.md
 #   ./do soak [SHARE]     do all the long runs and update their pages: exactness, reliability, fuzzing, sanitizers,
 #                         coverage, mutants, double builds (days); with a share such as 0.01, that share of the
 #                         reliability runs, fuzzed files and mutants (most of a day)

@@ -1,8 +1,8 @@
 """Runs the readers' fuzz targets, and prints or writes the results.
 
-fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write] | --list: FASCICLE_FUZZ_BUILD names the build folder
-of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a flaw.
---write: into the page in docs; targets that did not run keep their line. --list: only prints the targets."""
+fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write] | --list: FASCICLE_FUZZ_BUILD names the
+build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a
+flaw. --write: into the page in docs; targets that did not run keep their line. --list: only prints the targets."""
 
 import argparse
 import concurrent.futures
@@ -60,11 +60,12 @@ Files here are short: the fuzzer tries far more of them, and no seed is longer. 
 reads the seeds and all earlier finds, damages them by fixed rules, and extends them to 1 MiB, where a reader may take
 %d s and %d MiB of C++ memory.
 
-| target | what it reads | files | at most | time | files per second | peak memory | slowest file | flaws | commit |
-| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+| target | what it reads | files | at most | time | processes | files per second | peak memory | slowest | flaws | commit |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
-Each line is the last run of its target, on %s, with %s. `./do fuzz --write` updates this page;
-`./do fuzz TARGET... --runs 10000000` runs targets for longer. What once broke a reader is kept in `tests/fuzz/kept`,
+Each line is the last run of its target, on %s, with %s. The peak memory is that of one process. `./do fuzz --write`
+updates this page; `./do fuzz TARGET... --runs 10000000` runs targets for longer, and `--processes 8` runs each in
+eight processes, which share what they find. What once broke a reader is kept in `tests/fuzz/kept`,
 and `test_fuzz` reads it in every build.
 """
 
@@ -87,32 +88,38 @@ def last(pattern, text, otherwise=0):
     return int(found[-1]) if found else otherwise
 
 
-def run(target, asked, temporary):
-    """(target, files, seconds, peak MiB, slowest file in s, flaws) of one target."""
+def fuzzed(target, k, ends, temporary):
+    """(files, peak MiB, slowest file in s, flaws) of one process. Processes share what they find."""
     corpus = os.path.join(BUILD, "corpus", target)
-    os.makedirs(corpus, exist_ok=True)
     begin_with = [folder for folder in (os.path.join(BUILD, "seeds", target), os.path.join(HERE, "kept", target))
                   if os.path.isdir(folder)]
-    ends = ["-runs=%d" % asked.runs] if asked.runs else ["-max_total_time=%d" % asked.seconds]
-    log = os.path.join(BUILD, "logs", target + ".txt")
-    begin = time.monotonic()
+    log = os.path.join(BUILD, "logs", "%s%s.txt" % (target, "-%d" % k if k else ""))
     with open(log, "w") as file:
         done = subprocess.run(
             command(target, "-max_len=%d" % MOST_BYTES, "-print_final_stats=1",
                     "-reduce_inputs=1", *SCHEDULE, *ends, corpus, *begin_with),
             stdout=file, stderr=file, env=environment(temporary))
-    seconds = time.monotonic() - begin
     with open(log, errors="replace") as file:
         text = file.read()
-    files = last(r"^stat::number_of_executed_units: (\d+)", text, last(r"^#(\d+)\b", text))
-    flaws = 0 if done.returncode == 0 else 1
-    if flaws:
+    if done.returncode:
         said = re.findall(r"^(?:.*(?:ERROR|SUMMARY|runtime error|what\(\)).*)$", text, re.MULTILINE)
         print("\n".join(["%s: %s" % (target, line) for line in said[:3]] + ["%s: all of it: %s" % (target, log)]),
               file=sys.stderr, flush=True)
-    result = (target, files, seconds, last(r"^stat::peak_rss_mb: +(\d+)", text),
-              last(r"^stat::slowest_unit_time_sec: +(\d+)", text), flaws)
-    print("%-10s %10d files %6.0f s %5d MiB %3d s the slowest %d flaws" % result, flush=True)
+    files = last(r"^stat::number_of_executed_units: (\d+)", text, last(r"^#(\d+)\b", text))
+    return (files, last(r"^stat::peak_rss_mb: +(\d+)", text), last(r"^stat::slowest_unit_time_sec: +(\d+)", text),
+            1 if done.returncode else 0)
+
+
+def run(target, asked, temporary):
+    """(target, processes, files, seconds, peak MiB of one process, slowest file in s, flaws) of one target."""
+    os.makedirs(os.path.join(BUILD, "corpus", target), exist_ok=True)
+    n = asked.processes
+    ends = ["-runs=%d" % -(-asked.runs // n)] if asked.runs else ["-max_total_time=%d" % asked.seconds]
+    begin = time.monotonic()
+    with concurrent.futures.ThreadPoolExecutor(n) as pool:
+        files, mebibytes, slowest, flaws = zip(*pool.map(lambda k: fuzzed(target, k, ends, temporary), range(n)))
+    result = (target, n, sum(files), time.monotonic() - begin, max(mebibytes), max(slowest), sum(flaws))
+    print("%-10s %2d %10d files %6.0f s %5d MiB %3d s the slowest %d flaws" % result, flush=True)
     return result
 
 
@@ -141,9 +148,10 @@ def commit():
                           check=False).stdout.strip() or "unknown"
 
 
-def line_of(target, files, seconds, mebibytes, slowest, flaws):
-    return "| `%s` | %s | %s | %d B | %.0f s | %s | %d MiB | %s | %d | %s |\n" % (
-        target, TARGETS[target], "{:,}".format(files), MOST_BYTES, seconds, "{:,.0f}".format(files / max(seconds, 0.1)), mebibytes,
+def line_of(target, processes, files, seconds, mebibytes, slowest, flaws):
+    return "| `%s` | %s | %s | %d B | %.0f s | %d | %s | %d MiB | %s | %d | %s |\n" % (
+        target, TARGETS[target], "{:,}".format(files), MOST_BYTES, seconds, processes,
+        "{:,.0f}".format(files / max(seconds, 0.1)), mebibytes,
         "under 1 s" if slowest == 0 else "%d s" % slowest, flaws, commit())
 
 
@@ -157,7 +165,7 @@ def write_page(results):
     version = re.search(r"clang version (\d+)", clang)
     text = PAGE % (MOST_MEBIBYTES, MOST_SECONDS, MOST_SECONDS, MOST_MEBIBYTES,
                    "".join(lines[target] for target in TARGETS if target in lines),
-                   "%s, %d cores" % (platform.machine(), os.cpu_count()),
+                   platform.machine(),
                    "clang " + version.group(1) if version else "clang")
     with open(PAGE_FILE + ".new", "w") as file:
         file.write(text)
@@ -171,6 +179,7 @@ def main():
     ends.add_argument("--runs", type=int, help="files a target")
     ends.add_argument("--seconds", type=int, default=60, help="seconds a target (60)")
     parser.add_argument("--jobs", type=int, default=1, help="targets at a time (1)")
+    parser.add_argument("--processes", type=int, default=1, help="processes a target (1)")
     parser.add_argument("--write", action="store_true", help="write docs/fuzzing.md")
     parser.add_argument("--list", action="store_true", help="print the targets and end")
     asked = parser.parse_args()

@@ -13,6 +13,7 @@ import tempfile
 import time
 
 PROGRAM = os.path.abspath(os.environ.get("FASCICLE_PROGRAM", "fascicle"))
+DEVICE = os.environ.get("FASCICLE_DEVICE", "cpu")  # of the disturbed bakes
 # Files that say when and how a bake ran. All others have the same bytes whatever happened during the bake.
 OF_ITS_RUN = ("manifest.json", "checkpoint")
 UNFINISHED = (".part", ".tmp")
@@ -21,6 +22,13 @@ GROWING = "frames.fascicle"
 HEADER_BYTES = 104  # of GROWING; then one record per frame
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 3, 75
+
+
+def gpu():
+    """The name of the GPU that the disturbed bakes run on; None if they run on the CPU."""
+    said = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
+    found = re.search(r"^%s +(.*)$" % re.escape(DEVICE), said, re.MULTILINE)
+    return None if DEVICE == "cpu" else found.group(1) if found else DEVICE
 
 
 class Broken(Exception):
@@ -180,7 +188,7 @@ class Bake:
         hold(self.whole and self.hashes, self.name + ": nothing was baked")
 
     def command(self, folder, *more):
-        device = () if "--device" in more else ("--device", "cpu")
+        device = () if "--device" in more else ("--device", DEVICE)
         return [PROGRAM, "bake", *self.arguments, *device, "-o", folder, *more]
 
     def environment(self, **more):

@@ -45,9 +45,10 @@ CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzin
 
 `./do reliability` takes hours. `./do reliability ROW...` runs single rows, `./do reliability ROW... --write` also puts
 their results on this page, and `./do reliability --share 0.1` does a tenth of each. `FASCICLE_SEED` repeats the random
-choices of a run; its moments still depend on how fast the machine is.
+choices of a run; its moments still depend on how fast the machine is. `FASCICLE_DEVICE=vulkan:0` lets the disturbed
+bakes run on a GPU. Its results then stand beside those of the CPU.
 
-These results are from %(machine)s.
+Results without a GPU's name are from %(machine)s.
 """
 
 
@@ -66,10 +67,24 @@ def paragraph(text):
     return "\n".join(textwrap.wrap(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)) + "\n"
 
 
-def section(row, one):
-    what = paragraph(row.function.__doc__)
-    result = paragraph("**Result:** %s (%s, seed %d)." % (one["figure"], duration(one["seconds"]), one["seed"]))
-    return "## %s\n\n%s\n%s" % (row.name, what, result)
+def key(row, gpu):
+    """Of a row's result: on the CPU, or on a GPU."""
+    return "%s on %s" % (row, gpu) if gpu else row
+
+
+def of_row(row, found):
+    """{key: result} on all devices, the CPU first."""
+    return {name: found[name] for name in sorted(found) if name == row.name or name.startswith(row.name + " on ")}
+
+
+def section(row, found):
+    parts = ["## %s\n" % row.name, paragraph(row.function.__doc__)]
+    for name, one in of_row(row, found).items():
+        _, _, gpu = name.partition(" on ")
+        parts.append(paragraph("**%s:** %s (%s, seed %d%s)." % (
+            "On " + gpu if gpu else "Result", one["figure"], duration(one["seconds"]), one["seed"],
+            ", %s, commit %s" % (one["date"], one["commit"]) if gpu else "")))
+    return "\n".join(parts)
 
 
 def text_of(found):
@@ -77,7 +92,7 @@ def text_of(found):
     lines = "".join("| [`%s`](#%s) | %s | %s | %s |\n" % (
         row.name, row.name, row.title, one["date"], one["commit"]) for row, one in ran)
     machines = sorted({one["machine"] for _, one in ran})
-    return PAGE % {"table": lines, "sections": "\n".join(section(*pair) for pair in ran),
+    return PAGE % {"table": lines, "sections": "\n".join(section(row, found) for row, _ in ran),
                    "machine": "; ".join(machines)}
 
 
@@ -95,7 +110,7 @@ def write(found_now):
     """Rows that did not run keep their earlier results."""
     found = found_before()
     found.update(found_now)
-    found = {row.name: found[row.name] for row in rows.ROWS if row.name in found}
+    found = {name: one for row in rows.ROWS for name, one in of_row(row, found).items()}
     replace(FOUND_FILE, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
     replace(PAGE_FILE, text_of(found))
 

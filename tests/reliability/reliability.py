@@ -1,9 +1,9 @@
 """Disturbs bakes in every way that rows.py lists, and reports the results.
 
 reliability.py [ROW...] [--short] [--share S] [--write]: FASCICLE_PROGRAM names the program, FASCICLE_FAILING_CALLS the
-library that makes calls fail, FASCICLE_FAULT_LAYER the Vulkan layer that does. --short: as many runs as CI has time
-for. --share: that share of the runs. --write: puts the results on the page in docs; rows that did not run keep
-theirs."""
+library that makes calls fail, FASCICLE_FAULT_LAYER the Vulkan layer that does, FASCICLE_DEVICE the device of the
+disturbed bakes (cpu). --short: as many runs as CI has time for. --share: that share of the runs. --write: puts the
+results on the page in docs; rows that did not run keep theirs."""
 
 import argparse
 import os
@@ -35,7 +35,7 @@ def main():
     signal.signal(signal.SIGINT, signal.default_int_handler)
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=page.DOCS, text=True, stdout=subprocess.PIPE,
                             stderr=subprocess.DEVNULL, check=False).stdout.strip() or "unknown"
-    found, is_broken = {}, True
+    found, is_broken, gpu = {}, True, bakes.gpu()
     root = tempfile.mkdtemp(prefix="fascicle-reliability-")
     try:
         small = bakes.small_bakes()
@@ -54,8 +54,9 @@ def main():
                 broken.append(row.name)
             seconds = time.monotonic() - begin
             print("%-8s %s (%.0f s, seed %d)" % (row.name, figure, seconds, seed), flush=True)
-            found[row.name] = {"figure": figure, "seconds": round(seconds), "seed": seed, "commit": commit,
-                               "date": time.strftime("%Y-%m-%d"), "machine": page.machine()}
+            found[page.key(row.name, gpu)] = {
+                "figure": figure, "seconds": round(seconds), "seed": seed, "commit": commit,
+                "date": time.strftime("%Y-%m-%d"), "machine": page.machine()}
         is_broken = bool(broken)
     finally:
         if is_broken:

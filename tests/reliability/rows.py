@@ -13,7 +13,7 @@ import sys
 import time
 import typing
 
-from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, must_be_found
+from bakes import BAD_INPUT, DEVICE, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, must_be_found
 from company import clashes, drivers, load
 from device_faults import device_faults
 from disk import disk_fails
@@ -98,7 +98,7 @@ def batches_stopped(bakes, count):
         file.write('format = ["pc2"]\n[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=3.0"]\n'
                    '[job.bar.vary]\n"layers.body.alpha" = [0.3, 0.4, 0.5, 0.6]\n')
     environment = bakes[0].environment()
-    command = [PROGRAM, "batch", jobs, "--device", "cpu", "--at-once", "2", "-o"]
+    command = [PROGRAM, "batch", jobs, "--device", DEVICE, "--at-once", "2", "-o"]
 
     def files_of(folder):
         found = {}

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from bakes import (DONE, INTERRUPTED, PROGRAM, Broken, control_of_files, control_of_going_on, end_by, files,
+from bakes import (DEVICE, DONE, INTERRUPTED, PROGRAM, Broken, control_of_files, control_of_going_on, end_by, files,
                    frame_of_checkpoint, hold, manifest, must_be_found)
 from killed import PHASES, phase_of, stamp
 
@@ -176,7 +176,7 @@ class Batch:
         self.whole = self.files_in(whole)
 
     def command(self, folder, *more):
-        return [PROGRAM, "batch", self.jobs, "--device", "cpu", "--at-once", "2", "-o", folder, *more]
+        return [PROGRAM, "batch", self.jobs, "--device", DEVICE, "--at-once", "2", "-o", folder, *more]
 
     def run(self, folder, *more):
         done = subprocess.run(self.command(folder, *more), env=self.environment, capture_output=True, text=True)
