@@ -114,7 +114,8 @@ def run(target, asked, temporary):
     """(target, processes, files, seconds, peak MiB of one process, slowest file in s, flaws) of one target."""
     os.makedirs(os.path.join(BUILD, "corpus", target), exist_ok=True)
     n = asked.processes
-    ends = ["-runs=%d" % -(-asked.runs // n)] if asked.runs else ["-max_total_time=%d" % asked.seconds]
+    ends = ["-runs=%d" % -(-asked.runs // n)] if asked.runs else []
+    ends += ["-max_total_time=%d" % asked.seconds] if asked.seconds else []
     begin = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(n) as pool:
         files, mebibytes, slowest, flaws = zip(*pool.map(lambda k: fuzzed(target, k, ends, temporary), range(n)))
@@ -175,14 +176,15 @@ def write_page(results):
 def main():
     parser = argparse.ArgumentParser(prog="./do fuzz", description=__doc__.splitlines()[0])
     parser.add_argument("target", nargs="*", choices=[[], *TARGETS])
-    ends = parser.add_mutually_exclusive_group()
-    ends.add_argument("--runs", type=int, help="files a target")
-    ends.add_argument("--seconds", type=int, default=60, help="seconds a target (60)")
+    parser.add_argument("--runs", type=int, help="files a target")
+    parser.add_argument("--seconds", type=int, help="seconds a target (60, or no limit with --runs)")
     parser.add_argument("--jobs", type=int, default=1, help="targets at a time (1)")
     parser.add_argument("--processes", type=int, default=1, help="processes a target (1)")
     parser.add_argument("--write", action="store_true", help="write docs/fuzzing.md")
     parser.add_argument("--list", action="store_true", help="print the targets and end")
     asked = parser.parse_args()
+    if not asked.runs and asked.seconds is None:
+        asked.seconds = 60
     if asked.list:
         print(" ".join(TARGETS))
         return 0
