@@ -6,6 +6,8 @@
 #include <cstring>
 #include <mutex>
 
+#include <unistd.h>
+
 #include "gpu/check.h"
 
 namespace fascicle::gpu {
@@ -50,6 +52,46 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(void* listener) {
   return info;
 }
 
+// `info` needs only layers, extensions and what extends it.
+VkInstance create_instance(VkInstanceCreateInfo info) {
+  VkApplicationInfo application{};
+  application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+  application.pApplicationName = "fascicle";
+  application.apiVersion = VK_API_VERSION_1_1;
+  info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+  info.pApplicationInfo = &application;
+
+  VkInstance instance = VK_NULL_HANDLE;
+  const VkResult created = vkCreateInstance(&info, nullptr, &instance);
+  if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw DeviceError(
+        "the Vulkan loader found no driver; on Debian, mesa-vulkan-drivers has one for most devices");
+  const char* layers = std::getenv("VK_INSTANCE_LAYERS");
+  if (created != VK_SUCCESS && layers != nullptr && *layers != '\0')
+    throw DeviceError(
+        "vkCreateInstance: " + text_of(created) + " with VK_INSTANCE_LAYERS=" + layers +
+        "; unset it, or install these layers; on Debian, vulkan-validationlayers has Khronos's");
+  check(created, "vkCreateInstance");
+  const std::scoped_lock lock(volk_mutex());
+  if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance);
+  return instance;
+}
+
+// One instance per process, which is never destroyed. NVIDIA's driver (seen with 580.159) creates 30 in a
+// process, even if each is destroyed before the next; after that the loader finds no driver. A process that
+// forked creates its own, because drivers do not work across a fork.
+VkInstance instance_of_process() {
+  static std::mutex mutex;
+  static VkInstance instance = VK_NULL_HANDLE;
+  static pid_t creator = 0;
+  const std::scoped_lock lock(mutex);
+  if (instance == VK_NULL_HANDLE || creator != ::getpid()) {
+    instance = create_instance({});
+    creator = ::getpid();
+  }
+  return instance;
+}
+
 }  // namespace
 
 bool load_vulkan(std::string* why) {
@@ -68,56 +110,35 @@ bool load_vulkan(std::string* why) {
 Instance::Instance(const DeviceOptions& options) {
   std::string why;
   if (!load_vulkan(&why)) throw DeviceError(why);
-
-  VkApplicationInfo application{};
-  application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
-  application.pApplicationName = "fascicle";
-  application.apiVersion = VK_API_VERSION_1_1;
-
-  VkInstanceCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-  info.pApplicationInfo = &application;
+  if (!options.validation) {
+    instance_ = instance_of_process();
+    return;
+  }
+  if (!has_validation_layer())
+    throw DeviceError(std::string(validation_layer) +
+                      " is not installed; on Debian: vulkan-validationlayers");
+  listener_ = std::make_unique<Listener>(options.on_validation_message);
+  if (!*listener_)
+    *listener_ = [](const std::string& message) { std::fprintf(stderr, "%s\n", message.c_str()); };
 
   const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
   const VkValidationFeatureEnableEXT enabled[] = {
       VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(listener_.get());
   VkValidationFeaturesEXT features{};
-  VkDebugUtilsMessengerCreateInfoEXT messenger{};
-  if (options.validation) {
-    if (!has_validation_layer())
-      throw DeviceError(std::string(validation_layer) +
-                        " is not installed; on Debian: vulkan-validationlayers");
-    listener_ = std::make_unique<Listener>(options.on_validation_message);
-    if (!*listener_)
-      *listener_ = [](const std::string& message) { std::fprintf(stderr, "%s\n", message.c_str()); };
-    messenger = messenger_info(listener_.get());
-    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
-    features.enabledValidationFeatureCount = 1;
-    features.pEnabledValidationFeatures = enabled;
-    features.pNext = &messenger;
-    info.pNext = &features;
-    info.enabledLayerCount = 1;
-    info.ppEnabledLayerNames = &validation_layer;
-    info.enabledExtensionCount = 2;
-    info.ppEnabledExtensionNames = extensions;
-  }
-  VkInstance instance = VK_NULL_HANDLE;
-  const VkResult created = vkCreateInstance(&info, nullptr, &instance);
-  if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw DeviceError(
-        "the Vulkan loader found no driver; on Debian, mesa-vulkan-drivers has one for most devices");
-  const char* layers = std::getenv("VK_INSTANCE_LAYERS");
-  if (created != VK_SUCCESS && layers != nullptr && *layers != '\0')
-    throw DeviceError(
-        "vkCreateInstance: " + text_of(created) + " with VK_INSTANCE_LAYERS=" + layers +
-        "; unset it, or install these layers; on Debian, vulkan-validationlayers has Khronos's");
-  check(created, "vkCreateInstance");
-  {
-    const std::scoped_lock lock(volk_mutex());
-    if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance);
-  }
-  instance_.reset(instance);
-  if (options.validation) messenger_ = std::make_unique<Messenger>(instance, messenger);
+  features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+  features.pNext = &messenger;
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = enabled;
+  VkInstanceCreateInfo info{};
+  info.pNext = &features;
+  info.enabledLayerCount = 1;
+  info.ppEnabledLayerNames = &validation_layer;
+  info.enabledExtensionCount = 2;
+  info.ppEnabledExtensionNames = extensions;
+  instance_ = create_instance(info);
+  owned_.reset(instance_);
+  messenger_ = std::make_unique<Messenger>(instance_, messenger);
 }
 
 Instance::Messenger::Messenger(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT& info)
@@ -135,9 +156,9 @@ Instance::Messenger::~Messenger() {
 
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   std::uint32_t count = 0;
-  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_.get(), &count, nullptr));
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
   std::vector<VkPhysicalDevice> devices(count);
-  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_.get(), &count, devices.data()));
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, devices.data()));
   devices.resize(count);
   return devices;
 }

@@ -1,4 +1,4 @@
-// A Vulkan instance, with the validation layer if requested.
+// A Vulkan instance: with the validation layer one's own, without it one that the whole process shares.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  VkInstance get() const { return instance_.get(); }
+  VkInstance get() const { return instance_; }
   std::vector<VkPhysicalDevice> physical_devices() const;
 
  private:
@@ -43,9 +43,10 @@ class Instance {
     VkDebugUtilsMessengerEXT handle_ = VK_NULL_HANDLE;
   };
 
+  VkInstance instance_ = VK_NULL_HANDLE;  // the process's, or that of owned_
   // The order matters: creating and destroying the instance sends messages too.
   std::unique_ptr<Listener> listener_;
-  std::unique_ptr<VkInstance_T, DestroyInstance> instance_;
+  std::unique_ptr<VkInstance_T, DestroyInstance> owned_;
   std::unique_ptr<Messenger> messenger_;
 };
 
