@@ -47,7 +47,7 @@ class Reader {
  public:
   // `looks` is the file's own document: the decoder's copy has no looks.
   Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
-      : path_(path), looks_(looks), model_(model) {}
+      : path_(path), looks_(looks), model_(model), shape_limits_(model) {}
 
   rig::Character run(Still still) {
     const GltfParts found = find_parts(path_, model_, looks_, still);
@@ -344,7 +344,7 @@ class Reader {
     std::vector<Vector3d> points;
     for (std::size_t i = 0; i < a.count; ++i) points.emplace_back(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
     const std::vector<rig::BlendShape> shapes =
-        read_shapes(path_, model_, primitive, pointer, a.count, targets_left_);
+        read_shapes(path_, model_, primitive, pointer, a.count, shape_limits_);
     add_shapes(shapes, rest_weights(looks_, source.node, source.mesh, shapes.size()), points);
 
     const auto first = static_cast<std::uint32_t>(surface.vertices.size());
@@ -385,7 +385,7 @@ class Reader {
   rig::Character character_;
   std::vector<std::int32_t> joint_of_;  // per node
   std::vector<Eigen::Matrix4d> bind_;   // per joint: joint space to bind pose, metres
-  std::size_t targets_left_ = most_target_positions;
+  ShapeLimits shape_limits_;
   std::size_t normalised_ = 0, cut_ = 0,
               weightless_ = 0;  // vertices whose weights were changed
   std::vector<bool> is_bound_;  // per joint: whether a skin has set its bind pose

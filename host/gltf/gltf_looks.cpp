@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "host/base/errors.h"
 #include "host/gltf/gltf_check.h"
@@ -76,10 +77,17 @@ std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
   return bytes;
 }
 
+// A small file may name one image many times. Every image of the buffers can appear with two kinds of
+// wrapping.
+constexpr std::size_t shares = 2;
+constexpr std::size_t most_bytes_beside = std::size_t{2} << 30;
+
 class LooksReader {
  public:
   LooksReader(const fs::path& path, const json& document, const tinygltf::Model& model)
-      : path_(path), document_(document), model_(model) {}
+      : path_(path), document_(document), model_(model) {
+    for (const tinygltf::Buffer& buffer : model_.buffers) embedded_left_ += shares * buffer.data.size();
+  }
 
   Looks run(const Rig& rig) {
     std::vector<std::uint64_t> uv_sets;
@@ -141,25 +149,38 @@ class LooksReader {
     if (const auto known = number_of_.find(*index); known != number_of_.end()) return known->second;
     const json& texture = list("textures")[*index];
     std::int32_t result = -1;
-    LookTexture read{.name = "texture " + std::to_string(*index), .bytes = {}};
     if (const auto image = index_in(member(texture, "source"), list("images"))) {
-      read.name = "image " + std::to_string(*image);
-      const std::string name = text_or(member(list("images")[*image], "name"), "");
-      if (!name.empty()) read.name += " (" + name.substr(0, 60) + ")";
-      read.bytes = image_bytes(list("images")[*image], read.name);
+      TextureWrap across = TextureWrap::repeat, down = TextureWrap::repeat;
       if (const auto sampler = index_in(member(texture, "sampler"), list("samplers"))) {
-        read.across = wrap_of(member(list("samplers")[*sampler], "wrapS"));
-        read.down = wrap_of(member(list("samplers")[*sampler], "wrapT"));
+        across = wrap_of(member(list("samplers")[*sampler], "wrapS"));
+        down = wrap_of(member(list("samplers")[*sampler], "wrapT"));
       }
-      if (!read.bytes.empty()) {
-        result = static_cast<std::int32_t>(looks_.textures.size());
-        looks_.textures.push_back(std::move(read));
-      }
+      const auto [known, is_new] = number_of_wrapped_.try_emplace({*image, across, down}, -1);
+      if (is_new) known->second = add_texture(*image, across, down);
+      result = known->second;
     } else {
-      looks_.notes.push_back(read.name + " is neither PNG nor JPEG; its surface gets its plain colour");
+      looks_.notes.push_back("texture " + std::to_string(*index) +
+                             " is neither PNG nor JPEG; its surface gets its plain colour");
     }
     number_of_[*index] = result;
     return result;
+  }
+
+  std::int32_t add_texture(std::size_t image, TextureWrap across, TextureWrap down) {
+    LookTexture read{.name = "image " + std::to_string(image), .bytes = {}, .across = across, .down = down};
+    const std::string name = text_or(member(list("images")[image], "name"), "");
+    if (!name.empty()) read.name += " (" + name.substr(0, 60) + ")";
+    read.bytes = image_bytes(list("images")[image], read.name);
+    if (read.bytes.empty()) return -1;
+    looks_.textures.push_back(std::move(read));
+    return static_cast<std::int32_t>(looks_.textures.size() - 1);
+  }
+
+  // Subtracts `bytes` from `left`; false if there are fewer.
+  static bool takes(std::size_t bytes, std::size_t& left) {
+    if (bytes > left) return false;
+    left -= bytes;
+    return true;
   }
 
   std::vector<unsigned char> image_bytes(const json& image, const std::string& name) {
@@ -169,7 +190,9 @@ class LooksReader {
       // The decoder's views match the file's, and were checked to fit their buffers.
       const tinygltf::BufferView& v = model_.bufferViews.at(*view);
       const std::vector<unsigned char>& data = model_.buffers.at(static_cast<std::size_t>(v.buffer)).data;
-      if (v.byteOffset <= data.size() && v.byteLength <= data.size() - v.byteOffset) {
+      if (!takes(v.byteLength, embedded_left_)) {
+        why = "is one of too many, which have more bytes than the file";
+      } else if (v.byteOffset <= data.size() && v.byteLength <= data.size() - v.byteOffset) {
         const auto first = data.begin() + static_cast<std::ptrdiff_t>(v.byteOffset);
         bytes.assign(first, first + static_cast<std::ptrdiff_t>(v.byteLength));
       }
@@ -181,7 +204,13 @@ class LooksReader {
       } else {
         try {
           std::vector<fs::path> ignored;
-          bytes = read_gltf_buffer(path_, "/images", text, ignored);
+          if (beside_left_ > 0) bytes = read_gltf_buffer(path_, "/images", text, ignored);
+          if (beside_left_ == 0 || !takes(bytes.size(), beside_left_)) {
+            bytes.clear();
+            beside_left_ = 0;
+            why = "is one of too many, which have more than " + std::to_string(most_bytes_beside >> 20) +
+                  " MiB";
+          }
         } catch (const base::SceneError& error) {
           why = std::string("cannot be read: ") + error.what();
         }
@@ -232,6 +261,10 @@ class LooksReader {
   const json& document_;
   const tinygltf::Model& model_;
   std::map<std::size_t, std::int32_t> number_of_;  // file's texture index to ours
+  std::map<std::tuple<std::size_t, TextureWrap, TextureWrap>, std::int32_t>
+      number_of_wrapped_;  // of an image
+  // Bytes of images that may still be read: in the file's buffers, and in files beside it.
+  std::size_t embedded_left_ = 0, beside_left_ = most_bytes_beside;
   Looks looks_;
 };
 

@@ -64,7 +64,7 @@ void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::
 class RigReader {
  public:
   RigReader(const fs::path& path, const json& document, const tinygltf::Model& model)
-      : path_(path), document_(document), model_(model) {}
+      : path_(path), document_(document), model_(model), shape_limits_(model) {}
 
   Rig run(Still still) {
     const GltfParts found = find_parts(path_, model_, document_, still);
@@ -116,7 +116,7 @@ class RigReader {
       const std::vector<double> values = numbers(accessor);
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
     }
-    part.shapes = read_shapes(path_, model_, primitive, pointer, count, targets_left_);
+    part.shapes = read_shapes(path_, model_, primitive, pointer, count, shape_limits_);
     part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
     if (source.skin < 0) {
       part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
@@ -168,7 +168,7 @@ class RigReader {
   const json& document_;
   const tinygltf::Model& model_;
   Rig rig_;
-  std::size_t targets_left_ = most_target_positions;
+  ShapeLimits shape_limits_;
 };
 
 }  // namespace

@@ -1,20 +1,36 @@
 #include "host/gltf/gltf_shapes.h"
 
+#include <algorithm>
+
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_file.h"
 #include "host/gltf/gltf_library.h"
 
 namespace fascicle::gltf {
+namespace {
+
+constexpr std::size_t most_target_positions = std::size_t{1} << 27;
+// A moved position has at least 3 bytes in the file and 28 in memory. Two for each byte let every target
+// appear on six nodes.
+constexpr std::size_t moved_of_any_file = std::size_t{1} << 20, moved_a_byte = 2;
+
+}  // namespace
+
+ShapeLimits::ShapeLimits(const tinygltf::Model& model) : most_positions(most_target_positions) {
+  std::size_t bytes = 0;
+  for (const tinygltf::Buffer& buffer : model.buffers) bytes += buffer.data.size();
+  most_moved = std::min(most_target_positions, moved_of_any_file + moved_a_byte * bytes);
+}
 
 std::vector<rig::BlendShape> read_shapes(const std::filesystem::path& path, const tinygltf::Model& model,
                                          const tinygltf::Primitive& primitive, const std::string& pointer,
-                                         std::size_t count, std::size_t& left) {
+                                         std::size_t count, ShapeLimits& limits) {
   std::vector<rig::BlendShape> shapes(primitive.targets.size());
-  if (count > 0 && shapes.size() > left / count)
+  if (count > 0 && shapes.size() > (limits.most_positions - limits.positions) / count)
     gltf_error(path, pointer + "/targets",
-               "the morph targets have more than " + std::to_string(most_target_positions) +
+               "the morph targets have more than " + std::to_string(limits.most_positions) +
                    " positions in all; export fewer");
-  left -= shapes.size() * count;
+  limits.positions += shapes.size() * count;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const auto found = primitive.targets[k].find("POSITION");
     if (found == primitive.targets[k].end()) continue;
@@ -22,6 +38,12 @@ std::vector<rig::BlendShape> read_shapes(const std::filesystem::path& path, cons
     for (std::size_t i = 0; i < count; ++i) {
       const Vector3d move(moves[3 * i], moves[3 * i + 1], moves[3 * i + 2]);
       if (move.isZero(0.0)) continue;
+      if (++limits.moved > limits.most_moved)
+        gltf_error(
+            path, pointer + "/targets/" + std::to_string(k),
+            "more than " + std::to_string(limits.most_moved) +
+                " moved positions of morph targets in all, the most that are read of a file of this size; "
+                "export each target once");
       shapes[k].vertex.push_back(static_cast<std::uint32_t>(i));
       shapes[k].move.push_back(move);
     }

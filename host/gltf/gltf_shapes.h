@@ -19,14 +19,20 @@ namespace fascicle::gltf {
 
 using Eigen::Vector3d;
 
-// Limit on the positions of all targets in a file, moved or not.
-inline constexpr std::size_t most_target_positions = std::size_t{1} << 27;
+// How much is read of a file's targets: positions of all of them, moved or not, and moved ones, which are
+// kept. The latter depends on the file's size, because many targets may name one accessor.
+struct ShapeLimits {
+  explicit ShapeLimits(const tinygltf::Model& model);
+
+  std::size_t most_positions, most_moved;
+  std::size_t positions = 0, moved = 0;  // so far
+};
 
 // The primitive's targets, in order; a target without positions moves nothing. `count`: vertices of the
-// primitive. `pointer`: its JSON pointer. Subtracts the positions read from `left`. Throws SceneError.
+// primitive. `pointer`: its JSON pointer. Adds to `limits`. Throws SceneError.
 std::vector<rig::BlendShape> read_shapes(const std::filesystem::path& path, const tinygltf::Model& model,
                                          const tinygltf::Primitive& primitive, const std::string& pointer,
-                                         std::size_t count, std::size_t& left);
+                                         std::size_t count, ShapeLimits& limits);
 
 // The weights of a node's shapes where no clip animates them: the node's, else its mesh's, else 0.
 // `document`: the file's, checked.

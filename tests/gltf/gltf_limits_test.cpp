@@ -4,6 +4,7 @@
 
 #include "host/base/errors.h"
 #include "host/gltf/gltf.h"
+#include "host/gltf/gltf_looks.h"
 #include "host/gltf/gltf_rig.h"
 #include "tests/gltf/gltf_builder.h"
 
@@ -111,6 +112,30 @@ TEST(GltfLimits, morph_targets_on_many_nodes) {
   expect_too_many(builder, "morph targets", "/meshes/0/primitives/0/targets");
 }
 
+// This one took 3.7 GB.
+TEST(GltfLimits, one_morph_target_many_times) {
+  GltfBuilder builder = column();
+  const std::size_t count = 20'000;
+  const std::size_t positions = builder.add("VEC3", std::vector<float>(3 * count, 0.5f));
+  json& one = primitives_of(builder)[0];
+  one["attributes"]["POSITION"] = positions;
+  one["attributes"]["JOINTS_0"] = builder.add("VEC4", std::vector<std::uint8_t>(4 * count, 0));
+  one["attributes"]["WEIGHTS_0"] = builder.add("VEC4", std::vector<float>(4 * count, 0.25f));
+  const json target = json::object({{"POSITION", positions}});
+  // 2^20 positions and two for each byte.
+  const std::size_t most = (std::size_t{1} << 20) + 2 * builder.bytes.size();
+  one["targets"] = json(most / count, target);
+  {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.write("few.glb", builder.glb());
+    EXPECT_EQ(gltf::read_rig(path).parts[0].shapes.size(), most / count);
+    EXPECT_EQ(gltf::read_gltf(path).surface.vertices.size(), count);
+  }
+  one["targets"].push_back(target);
+  expect_too_many(builder, std::to_string(most) + " moved positions of morph targets",
+                  "/meshes/0/primitives/0/targets/" + std::to_string(most / count));
+}
+
 TEST(GltfLimits, sets_of_joints_and_weights) {
   GltfBuilder builder = column();
   const std::size_t count = std::size_t{1} << 19;
@@ -132,6 +157,46 @@ TEST(GltfLimits, bind_matrices_of_a_skin_of_many_parts) {
   const json one = primitives_of(builder)[0];
   primitives_of(builder) = json(std::size_t{400}, one);
   expect_too_many(builder, "inverse bind matrices", "/meshes/0/primitives/16");
+}
+
+// `materials` materials with a texture each, and the textures an image each, or all the same one.
+GltfBuilder with_pictures(std::size_t materials, bool is_one_image) {
+  GltfBuilder builder = column();
+  const std::size_t picture = builder.add("SCALAR", std::vector<std::uint8_t>(10'000, 7));
+  const json view = builder.document["accessors"][picture]["bufferView"];
+  for (const char* list : {"materials", "textures", "images"}) builder.document[list] = json::array();
+  for (std::size_t k = 0; k < materials; ++k) {
+    const json use{{"baseColorTexture", {{"index", k}}}};
+    builder.document["materials"].push_back({{"pbrMetallicRoughness", use}});
+    builder.document["textures"].push_back({{"source", is_one_image ? 0 : k}});
+    builder.document["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
+  }
+  return builder;
+}
+
+TEST(GltfLimits, one_image_in_many_textures_is_read_once) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("pictures.glb", with_pictures(500, true).glb());
+  const gltf::Looks looks = gltf::read_looks(path, gltf::read_rig(path));
+  EXPECT_EQ(looks.textures.size(), 1U);
+  ASSERT_EQ(looks.materials.size(), 501U);
+  for (std::size_t k = 0; k < 500; ++k) EXPECT_EQ(looks.materials[k].texture, 0);
+  EXPECT_TRUE(looks.notes.empty());
+}
+
+// 10,000 images of the same 500 KB would take 5 GB.
+TEST(GltfLimits, many_images_of_the_same_bytes) {
+  const TemporaryFolder folder;
+  const GltfBuilder builder = with_pictures(500, false);
+  const std::filesystem::path path = folder.write("pictures.glb", builder.glb());
+  const gltf::Looks looks = gltf::read_looks(path, gltf::read_rig(path));
+  // Twice the bytes of the buffers.
+  const std::size_t most = 2 * builder.bytes.size() / 10'000;
+  EXPECT_EQ(looks.textures.size(), most);
+  ASSERT_EQ(looks.notes.size(), 500 - most);
+  EXPECT_EQ(
+      looks.notes.back(),
+      "image 499 is one of too many, which have more bytes than the file; its surface gets its plain colour");
 }
 
 }  // namespace
