@@ -122,7 +122,7 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   } catch (const base::InputError& error) {
     state.unreadable.emplace_back(error.what());  // affects only this job
   }
-  const std::optional<JobRecord> record = read_job_record(output, row.job);
+  std::optional<JobRecord> record = read_job_record(output, row.job);
   if (recorded && !record)
     state.unreadable.push_back(job_record_file(output, row.job).string() +
                                ": is damaged, and does not count");
@@ -130,7 +130,9 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
     return time && (!other || *time >= *other);
   };
   // A bake whose folder is gone is not done, whatever was written of it.
-  if (!written && row.exit_status && word_of_status(*row.exit_status) == "done") row.exit_status.reset();
+  const auto is_done = [](std::optional<int> status) { return status && word_of_status(*status) == "done"; };
+  if (!written && is_done(row.exit_status)) row.exit_status.reset();
+  if (!written && record && is_done(record->exit_status)) record.reset();
   const bool summary_is_newest =
       row.exit_status && is_newer(summary_written, written) && is_newer(summary_written, recorded);
   if (manifest) {

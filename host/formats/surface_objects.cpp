@@ -1,7 +1,10 @@
 #include "host/formats/surface_objects.h"
 
 #include <algorithm>
+#include <map>
 #include <span>
+#include <string>
+#include <tuple>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -105,11 +108,14 @@ class Looks {
     const auto bytes = static_cast<std::uint64_t>(number_at(*view, "byteLength", 0.0));
     if (offset > file_.binary.size() || bytes > file_.binary.size() - offset) return {};
     const std::string type = image->value("mimeType", json("")) == "image/png" ? ".png" : ".jpg";
+    std::string& path = path_of_[{offset, bytes, type}];
+    if (!path.empty()) return path;
+    // Views that overlap would make a small file's textures huge.
+    if (bytes > bytes_left_) return {};
+    bytes_left_ -= bytes;
     std::string digits = base::number_text(number.get<std::uint64_t>());
     if (digits.size() < 3) digits.insert(0, 3 - digits.size(), '0');
-    const std::string path = std::string(textures_folder) + '/' + texture_prefix + digits + type;
-    for (const SurfaceTexture& known : to_.textures)
-      if (known.file == path) return path;
+    path = std::string(textures_folder) + '/' + texture_prefix + digits + type;
     const auto* first = reinterpret_cast<const char*>(file_.binary.data()) + offset;
     to_.textures.push_back({path, std::string(first, bytes)});
     return path;
@@ -118,6 +124,9 @@ class Looks {
   const gltf::GltfFile& file_;
   SurfaceObjects& to_;
   std::vector<std::size_t> materials_;  // indices in the file of SurfaceObjects::materials
+  std::map<std::tuple<std::uint64_t, std::uint64_t, std::string>, std::string>
+      path_of_;  // of a view and a type
+  std::uint64_t bytes_left_ = file_.binary.size();
   UniqueNames names_, identifiers_;
 };
 

@@ -117,8 +117,19 @@ TEST(BatchStatus, ABakeWhoseFolderIsGoneIsNotDone) {
   }
 }
 
+TEST(BatchStatus, AJobWhoseFolderIsGoneIsNotDone) {
+  const ListedBar bar;
+  ASSERT_EQ(fascicle({"batch", bar.list(), "--job", "bar"}).status, 0);
+  EXPECT_EQ(status_of(bar.list()).status, 0);
+  fs::remove_all(bar.output() + "/bar");
+  const Outcome outcome = status_of(bar.list());
+  EXPECT_EQ(outcome.status, 75) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "bar  not begun")) << outcome.out;
+}
+
 TEST(BatchStatus, ExitsAsTheFirstFailureDid) {
   const ListedBar bar;
+  ASSERT_EQ(fascicle({"batch", bar.list(), "--job", "bar"}).status, 0);
   for (const auto& [exit_status, wanted] :
        std::vector<std::pair<int, int>>{{0, 0}, {75, 75}, {1, 1}, {5, 5}, {6, 6}, {7, 7}, {8, 1}, {137, 1}}) {
     ListedBar::write_record(bar.output(), exit_status);
@@ -236,12 +247,12 @@ TEST(BatchStatus, APlanOfOursIsMergedAfterItsTasks) {
 TEST(BatchStatus, ReportsShowTheFolderEscaped) {
   const ListedBar bar;
   const std::string output = bar.folder / "a\x1b[31m\nb";
-  ListedBar::write_record(output, 0);
+  ListedBar::write_record(output, 75);
   bar.write_plan("bar", output);
   const Outcome merged = status_of(bar.job(), {"--merge"});
-  EXPECT_EQ(merged.status, 0) << merged.err;
+  EXPECT_EQ(merged.status, 75) << merged.err;
   const std::string report = read_text(bar.job() + "/report.txt");
-  EXPECT_TRUE(contains(report, "a\\x1b[31m\\nb: 1 done\n")) << report;
+  EXPECT_TRUE(contains(report, "a\\x1b[31m\\nb: 1 interrupted\n")) << report;
   EXPECT_EQ(std::count(report.begin(), report.end(), '\n'), 2) << report;
 }
 

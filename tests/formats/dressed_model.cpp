@@ -52,7 +52,8 @@ model::Model dressed_model() {
   return m;
 }
 
-void write_dressed(const std::filesystem::path& path) {
+void write_dressed(const std::filesystem::path& path,
+                   const std::function<void(gltf::GltfDocument&)>& change) {
   const model::Model model = dressed_model();
   const std::vector<float> points =
       raw(formats::world_positions(formats::embed(model, model.rest), model.unit, model.rest_origin));
@@ -104,6 +105,7 @@ void write_dressed(const std::filesystem::path& path) {
         {{"baseColorFactor", {0.5, 0.25, 0.125, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.75}}}},
       {{"name", "Cloth/Red"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}},
       {{"doubleSided", true}}};
+  if (change) change(document);
   base::write_whole(path, formats::glb_text(std::move(document)));
 }
 

@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "host/formats/sink.h"
+#include "host/gltf/gltf_document.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 
@@ -24,8 +26,9 @@ extern const std::vector<float> dressed_uvs;
 // Normals of the file in the bind pose, 3 per vertex.
 extern const std::vector<float> dressed_normals;
 
-// The matching character.glb.
-void write_dressed(const std::filesystem::path& path);
+// The matching character.glb, or a changed one.
+void write_dressed(const std::filesystem::path& path,
+                   const std::function<void(gltf::GltfDocument&)>& change = {});
 
 // Frame k: the body rotated by k quarter turns about z and moved along x by k^2 m. A turn takes (x, y, z) to
 // (-y, x, z).

@@ -74,6 +74,29 @@ void expect_velocities(const std::vector<float>& found, std::uint64_t k, std::si
   }
 }
 
+// Many images of the same bytes would make a small file's textures gigabytes.
+TEST(SurfaceObjects, ImagesOfTheSameBytesAreOneTexture) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "character.glb";
+  write_dressed(path, [](gltf::GltfDocument& document) {
+    const nlohmann::json first = document.json["images"][0];
+    document.json["bufferViews"].push_back({{"buffer", 0}, {"byteLength", document.binary.size()}});
+    document.json["images"] = {first, first, first};
+    document.json["images"][2]["bufferView"] = document.json["bufferViews"].size() - 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      document.json["textures"][k] = {{"source", k}};
+      document.json["materials"][k]["pbrMetallicRoughness"] = {{"baseColorTexture", {{"index", k}}}};
+    }
+  });
+  const formats::SurfaceObjects surface = formats::read_surface_objects(dressed_model(), path);
+  ASSERT_EQ(surface.materials.size(), 3u);
+  EXPECT_EQ(surface.materials[0].texture, "textures/image_000.png");
+  EXPECT_EQ(surface.materials[1].texture, "textures/image_000.png");
+  EXPECT_EQ(surface.materials[2].texture, "");  // with the first, more bytes than the file's buffer
+  ASSERT_EQ(surface.textures.size(), 1u);
+  EXPECT_EQ(surface.textures[0].bytes, "no picture");
+}
+
 TEST(SurfaceObjects, AreThoseOfTheFile) {
   const formats::SurfaceObjects surface = dressed();
   ASSERT_EQ(surface.objects.size(), 2u);
