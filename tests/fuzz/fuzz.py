@@ -1,7 +1,7 @@
 """Runs the readers' fuzz targets, and prints or writes the results.
 
-fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write] | --list: FASCICLE_FUZZ_BUILD names the
-build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a
+fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write] | --list: FASCICLE_FUZZ_BUILD names
+the build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a
 flaw. --write: into the page in docs; targets that did not run keep their line. --list: only prints the targets."""
 
 import argparse
@@ -60,13 +60,13 @@ Files here are short: the fuzzer tries far more of them, and no seed is longer. 
 reads the seeds and all earlier finds, damages them by fixed rules, and extends them to 1 MiB, where a reader may take
 %d s and %d MiB of C++ memory.
 
-| target | what it reads | files | at most | time | processes | files per second | peak memory | slowest | flaws | commit |
+| target | what it reads | files | at most | time | processes | files/s | peak memory | slowest | flaws | commit |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
-Each line is the last run of its target, on %s, with %s. The peak memory is that of one process. `./do fuzz --write`
-updates this page; `./do fuzz TARGET... --runs 10000000` runs targets for longer, and `--processes 8` runs each in
-eight processes, which share what they find. What once broke a reader is kept in `tests/fuzz/kept`,
-and `test_fuzz` reads it in every build.
+Each line is the last run of its target, on %s, with %s. The peak memory is that of one process.
+`./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000` runs targets for longer, and
+`--processes 8` runs each in eight processes, which share what they find. What once broke a reader is kept in
+`tests/fuzz/kept`, and `test_fuzz` reads it in every build.
 """
 
 
