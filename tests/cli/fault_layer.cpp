@@ -1,6 +1,6 @@
 // A Vulkan layer with failing calls: FASCICLE_FAULT="K RESULT" makes the Kth call that can fail return the
 // VkResult, counted over the whole process; "FUNCTION RESULT" the first call of this function. A lost device
-// stays lost. FASCICLE_FAULT_COUNT names a file that receives the number of calls counted.
+// stays lost. FASCICLE_FAULT_COUNT names a file that receives the number of calls at the end of the process.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -64,6 +64,12 @@ struct Faults {
     if (is_named) only = which;
     failing = is_named ? 1 : std::atol(which.c_str());
   }
+  // The program keeps its instance, so only its end tells that no calls will follow.
+  ~Faults() {
+    if (const char* file = std::getenv("FASCICLE_FAULT_COUNT")) std::ofstream(file) << calls << "\n";
+  }
+  Faults(const Faults&) = delete;
+  Faults& operator=(const Faults&) = delete;
 };
 
 Faults& faults() {
@@ -162,7 +168,6 @@ VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCal
 }
 
 void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocation) {
-  if (const char* file = std::getenv("FASCICLE_FAULT_COUNT")) std::ofstream(file) << faults().calls << "\n";
   faults().destroy_instance(instance, allocation);
 }
 
