@@ -8,9 +8,11 @@ import subprocess
 import sys
 
 from bakes import DONE, PROGRAM, hold, must_be_found
+import collada
 import large_character
 
 PROGRAMS = ("fascicle", "fascicle-mesher")
+CONVERTER = "fascicle-convert"
 # All calls that name a file or use a socket. LOOKS are calls that only query a file.
 CALLS = "trace=%file,socket,connect,bind"
 LOOKS = re.compile(r"(new|old)?l?f?stat(at|64|x|fs|fs64)?$|statx$|access$|faccessat2?$|readlink(at)?$|getcwd$|chdir$")
@@ -110,14 +112,15 @@ def hold_controls(bake):
 def outside(bakes, count):
     """strace shows what the program asks of the system: sockets, files that it changes, opens or fails to open, and
     programs that it starts. Only asking whether a file exists, or for its size, is not held against it. It watches
-    bakes of a bar, of generated characters and of a character from a file, an export, a batch, and a bake on Mesa's
-    software Vulkan device."""
+    bakes of a bar, of generated characters and of characters from a glTF and a Collada file, an export, a batch, and a
+    bake on Mesa's software Vulkan device."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
 
     def prepared(root):
         """Writes the input files of the commands below."""
         large_character.write(os.path.join(root, "snake.gltf"), 6, 1)
+        collada.write(os.path.join(root, "spindle.dae"))
         with open(os.path.join(root, "jobs.toml"), "w") as file:
             file.write('[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=0.1"]\nformat = ["pc2"]\n'
                        '[job.snake]\nscene = "snake.gltf"\n')
@@ -131,6 +134,12 @@ def outside(bakes, count):
     def of_file(bake, root, environment):
         command = [PROGRAM, "bake", "snake.gltf", "--device", "cpu", "--format", "glb,usda"]
         return traced([*command, "-o", root + "/out"], environment, root, root + ".strace"), ()
+
+    def converted(bake, root, environment):
+        command = [PROGRAM, "bake", "spindle.dae", "--end", "0.05", "--device", "cpu", "-o", root + "/out"]
+        lines = traced(command, environment, root, root + ".strace")
+        hold(any(CONVERTER in line for line in lines if line.startswith("execve(")), "the converter was not started")
+        return lines, ()
 
     def of_export(bake, root, environment):
         command = [PROGRAM, "export", bake.folder_of_whole, "--to", "abc,mdd,obj,pc2,usda,vtp"]
@@ -149,7 +158,7 @@ def outside(bakes, count):
         return lines, read_by_vulkan(environment)
 
     kinds = ((traced_bake, bakes[2]), (on_vulkan, bakes[0]), (of_file, bakes[0]), (of_batch, bakes[0]),
-             (of_export, bakes[1]), (traced_bake, bakes[0]), (traced_bake, bakes[1]))
+             (converted, bakes[0]), (of_export, bakes[1]), (traced_bake, bakes[0]), (traced_bake, bakes[1]))
     traces = 0
     for k in range(count):
         trace, bake = kinds[k % len(kinds)]
@@ -167,10 +176,14 @@ def outside(bakes, count):
         read = [path for path, _ in (*READ_BY_ALL, *more)] + [root]
         out = os.path.join(root, "out")
         allowed = [out, bake.cache, temporary]
-        hold_inside(lines, allowed, read)
-        must_be_found(lambda: hold_inside(lines, allowed[1:], read), "files outside the allowed folders")
+        programs = (*PROGRAMS, CONVERTER) if trace is converted else PROGRAMS
+        hold_inside(lines, allowed, read, programs)
+        if trace is converted:
+            must_be_found(lambda: hold_inside(lines, allowed, read), "a program that this bake alone may start")
+        must_be_found(lambda: hold_inside(lines, allowed[1:], read, programs), "files outside the allowed folders")
         without = [path for path in read if "lib" not in path]
-        must_be_found(lambda: hold_inside(lines, allowed, without), "libraries that are read without permission")
+        must_be_found(lambda: hold_inside(lines, allowed, without, programs),
+                      "libraries that are read without permission")
         kept = os.listdir(home)
         hold(not kept, "files in the home folder: " + ", ".join(kept))
         traces += 1
@@ -179,4 +192,5 @@ def outside(bakes, count):
     said = "on the CPU and on lavapipe" if drivers else "on the CPU (NOT TESTED: lavapipe, which is not here)"
     return "%d traces: no socket; nothing changed but the output, the cache and temporary files; nothing else " \
            "opened or looked for by opening it but the input, libraries and the system's description of the " \
-           "processor; no program started but the mesher and, by a batch, its bakes; %s" % (traces, said)
+           "processor; no program started but the mesher, the converter for Collada and, by a batch, its bakes; %s" % (
+               traces, said)

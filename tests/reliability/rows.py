@@ -306,7 +306,7 @@ ROWS = (
     Row("batches", "Signals to a whole batch", batches_stopped, 60, 3),
     Row("disk", "Full disks and I/O errors", disk_fails, 200, 7),
     Row("damaged", "Flipped bits and truncated files", damaged, 12000, 40),
-    Row("outside", "Sockets, files and programs outside the bake", outside, 14, 4),
+    Row("outside", "Sockets, files and programs outside the bake", outside, 16, 5),
     Row("surfaces", "Hostile surfaces", surfaces, 5000, 8),
     Row("values", "Hostile scene values", parameters, 10000, 10),
     Row("names", "Hostile names", names, 270, 2),
