@@ -78,8 +78,8 @@ VkInstance create_instance(VkInstanceCreateInfo info) {
 }
 
 // One instance per process, which is never destroyed. NVIDIA's driver (seen with 580.159) creates 30 in a
-// process, even if each is destroyed before the next; after that the loader finds no driver. A process that
-// forked creates its own, because drivers do not work across a fork.
+// process, even if each is destroyed before the next; after that the loader finds no driver. A forked child
+// creates its own, because drivers do not work across a fork.
 VkInstance instance_of_process() {
   static std::mutex mutex;
   static VkInstance instance = VK_NULL_HANDLE;

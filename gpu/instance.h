@@ -1,4 +1,4 @@
-// A Vulkan instance: with the validation layer one's own, without it one that the whole process shares.
+// A Vulkan instance. The whole process shares one; with the validation layer, each is separate.
 #pragma once
 
 #include <memory>

@@ -132,7 +132,13 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   // A bake whose folder is gone is not done, whatever was written of it.
   const auto is_done = [](std::optional<int> status) { return status && word_of_status(*status) == "done"; };
   if (!written && is_done(row.exit_status)) row.exit_status.reset();
-  if (!written && record && is_done(record->exit_status)) record.reset();
+  if (!written && record && is_done(record->exit_status)) {
+    if (is_newer(recorded, summary_written)) {
+      row.exit_status.reset();
+      row.error.clear();
+    }
+    record.reset();
+  }
   const bool summary_is_newest =
       row.exit_status && is_newer(summary_written, written) && is_newer(summary_written, recorded);
   if (manifest) {

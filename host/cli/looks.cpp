@@ -32,7 +32,7 @@ std::vector<std::int32_t> add_textures(const gltf::Looks& read, const std::strin
   for (const gltf::LookTexture& texture : read.textures) {
     numbers.push_back(-1);
     if (numbers.size() > most_textures) continue;
-    const render::DecodedImage image = render::decode_image(texture.bytes);
+    const render::DecodedImage image = render::decode_image(*texture.bytes);
     const bool is_read = !image.texels.values.empty();
     if (!image.flaw.empty())
       log.warning(file + ": " + texture.name + " " + image.flaw +

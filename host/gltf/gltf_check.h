@@ -12,6 +12,11 @@
 
 namespace fascicle::gltf {
 
+// Names of buffers in CheckedGltf::document that the file does not hold: decoded from others, or read from a
+// file that another buffer was read from. All others have no name.
+inline constexpr const char* decoded_buffer = "decoded";
+inline constexpr const char* repeated_buffer = "repeated";
+
 struct CheckedGltf {
   std::filesystem::path path;
   // Only what a character needs: images, extensions and extras never reach the decoder. Indices match the

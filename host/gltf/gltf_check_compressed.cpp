@@ -101,7 +101,7 @@ std::size_t GltfCheck::add_buffer(const std::string& pointer, std::vector<unsign
   const std::size_t number = buffer_bytes_.size();
   const std::string name = "buffer-" + std::to_string(number);
   buffer_bytes_.push_back(bytes.size());
-  out_["buffers"].push_back({{"byteLength", bytes.size()}, {"uri", name}});
+  out_["buffers"].push_back({{"byteLength", bytes.size()}, {"uri", name}, {"name", decoded_buffer}});
   file_.document["buffers"].push_back({{"byteLength", bytes.size()}});
   checked_.buffers[name] = std::move(bytes);
   return number;

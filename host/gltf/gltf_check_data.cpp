@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <set>
 #include <utility>
 
 #include "host/gltf/gltf_check_steps.h"
@@ -13,6 +15,9 @@ using nlohmann::json;
 // have more, because the weights of a baked animation grow with the square of its frames.
 constexpr std::uint64_t most_elements_without_view = std::uint64_t{1} << 24;
 constexpr std::uint64_t most_numbers_without_view = std::uint64_t{1} << 28, numbers_a_byte = 16;
+
+// Of files that several buffers name: a small file could be read without end.
+constexpr std::uint64_t most_repeated_bytes = std::uint64_t{16} << 20;
 
 }  // namespace
 
@@ -57,7 +62,8 @@ std::uint64_t GltfCheck::data_uri_bytes(const std::string& pointer, const std::s
 }
 
 void GltfCheck::buffers() {
-  std::uint64_t total = 0;
+  std::uint64_t total = 0, repeated = 0;
+  std::set<std::filesystem::path> files;
   out_["buffers"] = json::array();
   for (const GltfPlace& place : objects({&file_.document, ""}, "buffers")) {
     const std::uint64_t length = required_whole(place, "byteLength", gltf_largest_file);
@@ -71,6 +77,7 @@ void GltfCheck::buffers() {
     const auto uri = optional_text(place, "uri");
     std::uint64_t have = 0, decoded = length;
     std::string name;
+    bool is_repeated = false;
     if (uri && uri->rfind("data:", 0) == 0) {
       static constexpr std::array<const char*, 2> headers{"data:application/octet-stream;base64,",
                                                           "data:application/gltf-buffer;base64,"};
@@ -85,6 +92,7 @@ void GltfCheck::buffers() {
     } else {
       std::vector<unsigned char> bytes;
       if (uri) {
+        is_repeated = !files.insert(gltf_buffer_file(file_.path, pointer, *uri)).second;
         bytes = read_gltf_buffer(file_.path, pointer, *uri, checked_.files_read);
       } else if (buffer_bytes_.empty() && file_.has_binary) {
         bytes = std::move(file_.binary);
@@ -109,8 +117,13 @@ void GltfCheck::buffers() {
       fail(place.pointer + "/byteLength",
            std::to_string(length) + ", but there are " + std::to_string(have) + " bytes");
     }
+    repeated += is_repeated ? have : 0;
+    if (repeated > most_repeated_bytes)
+      fail(pointer, "names the file of an earlier buffer, as others do; together they read more than " +
+                        std::to_string(most_repeated_bytes) + " bytes again; use one buffer for a file");
     buffer_bytes_.push_back(length);
     out_["buffers"].push_back({{"byteLength", decoded}, {"uri", name}});
+    if (is_repeated) out_["buffers"].back()["name"] = repeated_buffer;
   }
 }
 

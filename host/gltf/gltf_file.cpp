@@ -181,9 +181,8 @@ GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem
   return parse_gltf(path, base::read_input_bytes(path, gltf_largest_file));
 }
 
-std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,
-                                            const std::string& uri,
-                                            std::vector<std::filesystem::path>& files_read) {
+std::filesystem::path gltf_buffer_file(const std::filesystem::path& gltf, const std::string& pointer,
+                                       const std::string& uri) {
   const auto fail = [&](const std::string& what) {
     gltf_error(gltf, pointer, "`" + uri.substr(0, 100) + "` " + what);
   };
@@ -224,6 +223,13 @@ std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, c
   const std::filesystem::path file = std::filesystem::canonical(folder / relative, error);
   if (error) fail("cannot be opened: " + error.message());
   if (!is_inside(folder, file)) fail("leads out of the folder through a symbolic link" + advice);
+  return file;
+}
+
+std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,
+                                            const std::string& uri,
+                                            std::vector<std::filesystem::path>& files_read) {
+  const std::filesystem::path file = gltf_buffer_file(gltf, pointer, uri);
   try {
     std::vector<unsigned char> bytes = base::read_input_bytes(file, gltf_largest_file, base::Links::refused);
     files_read.push_back(file);

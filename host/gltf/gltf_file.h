@@ -31,9 +31,13 @@ struct GltfFile {
 // beside this program or on PATH.
 GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
-// The contents of an external buffer. `uri` must lead to a regular file inside the folder of `gltf`: no
-// scheme, no absolute path, no "..", no percent-encoded separators, no symbolic link out of the folder.
-// Appends the file's path to `files_read`.
+// The canonical path of an external buffer or image. `uri` must lead to a file inside the folder of `gltf`:
+// no scheme, no absolute path, no "..", no percent-encoded separators, no symbolic link out of the folder.
+// Throws SceneError.
+std::filesystem::path gltf_buffer_file(const std::filesystem::path& gltf, const std::string& pointer,
+                                       const std::string& uri);
+
+// Its contents; it must be a regular file. Appends its path to `files_read`.
 std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,
                                             const std::string& uri,
                                             std::vector<std::filesystem::path>& files_read);

@@ -23,11 +23,22 @@ constexpr std::size_t bind_matrices_a_vertex = 1, targets_a_vertex = 1;
 
 }  // namespace
 
+std::size_t stored_bytes(const tinygltf::Model& model) {
+  std::size_t bytes = 0;
+  for (const tinygltf::Buffer& buffer : model.buffers)
+    if (buffer.name.empty()) bytes += buffer.data.size();
+  return bytes;
+}
+
+std::size_t measured_bytes(const tinygltf::Model& model) {
+  std::size_t bytes = 0;
+  for (const tinygltf::Buffer& buffer : model.buffers) bytes += buffer.data.size();
+  return std::min(bytes, 4 * stored_bytes(model));
+}
+
 PartLimits::PartLimits(const std::filesystem::path& path, const tinygltf::Model& model)
     : path_(path), model_(model) {
-  std::size_t bytes = 0;
-  for (const tinygltf::Buffer& buffer : model_.buffers) bytes += buffer.data.size();
-  most_vertices_ = std::min(most_vertices, vertices_of_any_file + bytes / 2);
+  most_vertices_ = std::min(most_vertices, vertices_of_any_file + measured_bytes(model) / 2);
 }
 
 void PartLimits::count(std::size_t& sum, std::size_t more, std::size_t most, const std::string& what,

@@ -12,6 +12,7 @@
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_limits.h"
 
 namespace fascicle::gltf {
 namespace {
@@ -77,17 +78,10 @@ std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
   return bytes;
 }
 
-// A small file may name one image many times. Every image of the buffers can appear with two kinds of
-// wrapping.
-constexpr std::size_t shares = 2;
-constexpr std::size_t most_bytes_beside = std::size_t{2} << 30;
-
 class LooksReader {
  public:
   LooksReader(const fs::path& path, const json& document, const tinygltf::Model& model)
-      : path_(path), document_(document), model_(model) {
-    for (const tinygltf::Buffer& buffer : model_.buffers) embedded_left_ += shares * buffer.data.size();
-  }
+      : path_(path), document_(document), model_(model), embedded_left_(stored_bytes(model)) {}
 
   Looks run(const Rig& rig) {
     std::vector<std::uint64_t> uv_sets;
@@ -167,57 +161,70 @@ class LooksReader {
   }
 
   std::int32_t add_texture(std::size_t image, TextureWrap across, TextureWrap down) {
-    LookTexture read{.name = "image " + std::to_string(image), .bytes = {}, .across = across, .down = down};
+    LookTexture read{
+        .name = "image " + std::to_string(image), .bytes = nullptr, .across = across, .down = down};
     const std::string name = text_or(member(list("images")[image], "name"), "");
     if (!name.empty()) read.name += " (" + name.substr(0, 60) + ")";
-    read.bytes = image_bytes(list("images")[image], read.name);
-    if (read.bytes.empty()) return -1;
+    read.bytes = image_bytes(list("images")[image], image, read.name);
+    if (read.bytes == nullptr) return -1;
     looks_.textures.push_back(std::move(read));
     return static_cast<std::int32_t>(looks_.textures.size() - 1);
   }
 
-  // Subtracts `bytes` from `left`; false if there are fewer.
-  static bool takes(std::size_t bytes, std::size_t& left) {
-    if (bytes > left) return false;
-    left -= bytes;
-    return true;
-  }
-
-  std::vector<unsigned char> image_bytes(const json& image, const std::string& name) {
-    std::vector<unsigned char> bytes;
+  // Null for an image that cannot be read, after a note. Images of the same bytes share them: a small file
+  // may name its bytes again and again.
+  ImageBytes image_bytes(const json& image, std::size_t number, const std::string& name) {
     std::string why = "is empty";
-    if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
-      // The decoder's views match the file's, and were checked to fit their buffers.
-      const tinygltf::BufferView& v = model_.bufferViews.at(*view);
-      const std::vector<unsigned char>& data = model_.buffers.at(static_cast<std::size_t>(v.buffer)).data;
-      if (!takes(v.byteLength, embedded_left_)) {
-        why = "is one of too many, which have more bytes than the file";
-      } else if (v.byteOffset <= data.size() && v.byteLength <= data.size() - v.byteOffset) {
-        const auto first = data.begin() + static_cast<std::ptrdiff_t>(v.byteOffset);
-        bytes.assign(first, first + static_cast<std::ptrdiff_t>(v.byteLength));
-      }
-    } else if (const json& uri = member(image, "uri"); uri.is_string()) {
-      const auto text = uri.get<std::string>();
-      if (text.starts_with("data:")) {
-        bytes = bytes_of_data_uri(text);
-        why = "is not base64";
-      } else {
-        try {
+    ImageBytes bytes;
+    try {
+      if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
+        bytes = bytes_of_view(*view, why);
+      } else if (const json& uri = member(image, "uri"); uri.is_string()) {
+        const auto text = uri.get<std::string>();
+        if (text.starts_with("data:")) {
+          why = "is not base64";
+          bytes = shared_bytes("image " + std::to_string(number), [&] { return bytes_of_data_uri(text); });
+        } else {
+          const std::string file = gltf_buffer_file(path_, "/images", text).string();
           std::vector<fs::path> ignored;
-          if (beside_left_ > 0) bytes = read_gltf_buffer(path_, "/images", text, ignored);
-          if (beside_left_ == 0 || !takes(bytes.size(), beside_left_)) {
-            bytes.clear();
-            beside_left_ = 0;
-            why = "is one of too many, which have more than " + std::to_string(most_bytes_beside >> 20) +
-                  " MiB";
-          }
-        } catch (const base::SceneError& error) {
-          why = std::string("cannot be read: ") + error.what();
+          bytes =
+              shared_bytes("file " + file, [&] { return read_gltf_buffer(path_, "/images", text, ignored); });
         }
       }
+    } catch (const base::SceneError& error) {
+      why = std::string("cannot be read: ") + error.what();
     }
-    if (bytes.empty()) looks_.notes.push_back(name + " " + why + "; its surface gets its plain colour");
-    return bytes;
+    if (bytes != nullptr && !bytes->empty()) return bytes;
+    looks_.notes.push_back(name + " " + why + "; its surface gets its plain colour");
+    return nullptr;
+  }
+
+  ImageBytes bytes_of_view(std::size_t view, std::string& why) {
+    // The decoder's views match the file's, and were checked to fit their buffers.
+    const tinygltf::BufferView& v = model_.bufferViews.at(view);
+    const std::vector<unsigned char>& data = model_.buffers.at(static_cast<std::size_t>(v.buffer)).data;
+    if (v.byteOffset > data.size() || v.byteLength > data.size() - v.byteOffset) return nullptr;
+    const std::string place = "buffer " + std::to_string(v.buffer) + " " + std::to_string(v.byteOffset) +
+                              " " + std::to_string(v.byteLength);
+    if (!bytes_of_.contains(place)) {
+      // Views of honest files do not overlap.
+      if (v.byteLength > embedded_left_) {
+        why = "is one of too many, which have more bytes than the file";
+        return nullptr;
+      }
+      embedded_left_ -= v.byteLength;
+    }
+    return shared_bytes(place, [&] {
+      const auto first = data.begin() + static_cast<std::ptrdiff_t>(v.byteOffset);
+      return std::vector<unsigned char>(first, first + static_cast<std::ptrdiff_t>(v.byteLength));
+    });
+  }
+
+  template <class Read>
+  ImageBytes shared_bytes(const std::string& place, const Read& read) {
+    const auto known = bytes_of_.find(place);
+    if (known != bytes_of_.end()) return known->second;
+    return bytes_of_[place] = std::make_shared<const std::vector<unsigned char>>(read());
   }
 
   // The attribute's accessor, if it has one element per vertex.
@@ -262,9 +269,9 @@ class LooksReader {
   const tinygltf::Model& model_;
   std::map<std::size_t, std::int32_t> number_of_;  // file's texture index to ours
   std::map<std::tuple<std::size_t, TextureWrap, TextureWrap>, std::int32_t>
-      number_of_wrapped_;  // of an image
-  // Bytes of images that may still be read: in the file's buffers, and in files beside it.
-  std::size_t embedded_left_ = 0, beside_left_ = most_bytes_beside;
+      number_of_wrapped_;                       // of an image
+  std::map<std::string, ImageBytes> bytes_of_;  // by where they are
+  std::size_t embedded_left_;                   // bytes of views that may still be copied
   Looks looks_;
 };
 

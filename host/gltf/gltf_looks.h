@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,11 @@ namespace fascicle::gltf {
 
 enum class TextureWrap { repeat, mirror, clamp };
 
+using ImageBytes = std::shared_ptr<const std::vector<unsigned char>>;
+
 struct LookTexture {
-  std::string name;                  // for messages
-  std::vector<unsigned char> bytes;  // PNG, JPEG or other, not decoded
+  std::string name;  // for messages
+  ImageBytes bytes;  // PNG, JPEG or other, not decoded; never empty
   TextureWrap across = TextureWrap::repeat, down = TextureWrap::repeat;
 };
 

@@ -5,6 +5,7 @@
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_file.h"
 #include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_limits.h"
 
 namespace fascicle::gltf {
 namespace {
@@ -17,9 +18,7 @@ constexpr std::size_t moved_of_any_file = std::size_t{1} << 20, moved_a_byte = 2
 }  // namespace
 
 ShapeLimits::ShapeLimits(const tinygltf::Model& model) : most_positions(most_target_positions) {
-  std::size_t bytes = 0;
-  for (const tinygltf::Buffer& buffer : model.buffers) bytes += buffer.data.size();
-  most_moved = std::min(most_target_positions, moved_of_any_file + moved_a_byte * bytes);
+  most_moved = std::min(most_target_positions, moved_of_any_file + moved_a_byte * measured_bytes(model));
 }
 
 std::vector<rig::BlendShape> read_shapes(const std::filesystem::path& path, const tinygltf::Model& model,

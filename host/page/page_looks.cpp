@@ -38,7 +38,7 @@ bool has_holes(const render::Texels& texels) {
 // Empty for a texture that cannot be read; faults are added to `warnings`.
 PageTexture page_texture(const gltf::LookTexture& texture, unsigned most,
                          std::vector<std::string>& warnings) {
-  const render::DecodedImage image = render::decode_image(texture.bytes);
+  const render::DecodedImage image = render::decode_image(*texture.bytes);
   if (!image.flaw.empty())
     warnings.push_back(texture.name + " " + image.flaw +
                        (image.texels.values.empty() ? "; its surface gets its plain colour" : ""));
@@ -46,11 +46,11 @@ PageTexture page_texture(const gltf::LookTexture& texture, unsigned most,
   PageTexture kept;
   kept.across = wrap_name(texture.across);
   kept.down = wrap_name(texture.down);
-  const bool is_png = texture.bytes[0] == 0x89;
+  const bool is_png = texture.bytes->front() == 0x89;
   if (image.flaw.empty() && std::max(image.texels.width, image.texels.height) <= most &&
-      texture.bytes.size() <= most_bytes) {
+      texture.bytes->size() <= most_bytes) {
     kept.type = is_png ? "image/png" : "image/jpeg";
-    kept.bytes.assign(texture.bytes.begin(), texture.bytes.end());
+    kept.bytes.assign(texture.bytes->begin(), texture.bytes->end());
     return kept;
   }
   const render::Texels smaller =

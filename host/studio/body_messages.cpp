@@ -107,8 +107,8 @@ void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLoo
   std::size_t bytes = 0;
   for (const gltf::LookTexture& texture : read.textures) {
     numbers.push_back(-1);
-    const std::string type = image_type(texture.bytes);
-    bytes += texture.bytes.size();
+    const std::string type = image_type(*texture.bytes);
+    bytes += texture.bytes->size();
     if (type.empty() || bytes > most_texture_bytes || looks.images.size() == most_textures) {
       pipeline::say_warning(
           say, file + ": " + texture.name +
@@ -120,7 +120,7 @@ void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLoo
     looks.textures.push_back({{"name", texture.name},
                               {"type", type},
                               {"wrap", {wrap_name(texture.across), wrap_name(texture.down)}}});
-    looks.images.push_back(std::make_shared<const std::string>(texture.bytes.begin(), texture.bytes.end()));
+    looks.images.push_back(std::make_shared<const std::string>(texture.bytes->begin(), texture.bytes->end()));
   }
 }
 

@@ -1,8 +1,9 @@
 """Runs the readers' fuzz targets, and prints or writes the results.
 
 fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write] | --list: FASCICLE_FUZZ_BUILD names
-the build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that exposed a
-flaw. --write: into the page in docs; targets that did not run keep their line. --list: only prints the targets."""
+the build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that
+exposed a flaw. --write: into the page in docs; targets that did not run keep their line. --list: only prints the
+targets."""
 
 import argparse
 import concurrent.futures
@@ -119,7 +120,7 @@ def run(target, asked, temporary):
     begin = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(n) as pool:
         files, mebibytes, slowest, flaws = zip(*pool.map(lambda k: fuzzed(target, k, ends, temporary), range(n)))
-    result = (target, n, sum(files), time.monotonic() - begin, max(mebibytes), max(slowest), sum(flaws))
+    result = (target, n, sum(files), time.monotonic() - begin, max(mebibytes), max(slowest), max(flaws))
     print("%-10s %2d %10d files %6.0f s %5d MiB %3d s the slowest %d flaws" % result, flush=True)
     return result
 
@@ -183,6 +184,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="write docs/fuzzing.md")
     parser.add_argument("--list", action="store_true", help="print the targets and end")
     asked = parser.parse_args()
+    if asked.processes < 1:
+        parser.error("--processes: must be at least 1")
     if not asked.runs and asked.seconds is None:
         asked.seconds = 60
     if asked.list:

@@ -9,6 +9,7 @@ import shutil
 import signal
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -26,9 +27,13 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 3, 75
 
 def gpu():
     """The name of the GPU that the disturbed bakes run on; None if they run on the CPU."""
+    if DEVICE.startswith("cpu"):
+        return None
     said = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
     found = re.search(r"^%s +(.*)$" % re.escape(DEVICE), said, re.MULTILINE)
-    return None if DEVICE == "cpu" else found.group(1) if found else DEVICE
+    if not found or not re.fullmatch(r"vulkan:\d+", DEVICE):
+        sys.exit("FASCICLE_DEVICE is %s; it must be cpu, or one of those that `fascicle devices` lists" % DEVICE)
+    return found.group(1)
 
 
 class Broken(Exception):

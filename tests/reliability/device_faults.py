@@ -17,7 +17,8 @@ def with_layer(call, result, **more):
     """An environment in which this Vulkan call, counted from 1, returns this result. 0: no call fails."""
     folder = os.path.dirname(os.environ.get("FASCICLE_FAULT_LAYER", ""))
     hold(folder and os.path.isdir(folder), "FASCICLE_FAULT_LAYER names no layer's description")
-    return {"VK_INSTANCE_LAYERS": "VK_LAYER_FASCICLE_faults", "VK_LAYER_PATH": folder,
+    # Mesa's layer that sorts devices (22.3.6) crashes if one of its own queries fails.
+    return {"VK_INSTANCE_LAYERS": "VK_LAYER_FASCICLE_faults", "VK_LAYER_PATH": folder, "NODEVICE_SELECT": "1",
             "FASCICLE_FAULT": "%d %d" % (call, result), **more}
 
 

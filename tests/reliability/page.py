@@ -40,6 +40,8 @@ CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzin
   (`tests/gpu/barriers_test.cpp`) and detects all but one, which no result depends on: the two buffers of skinned
   positions count as one, so there is also a barrier between a write to one and a write to the other.
 - `values` leaves keys alone that name files, places, joints or layers.
+- Mesa has a layer that sorts devices (`VK_LAYER_MESA_device_select`, 22.3.6). It crashes if one of its own queries
+  fails, so `device` leaves it out.
 
 ## How to run it
 
@@ -88,7 +90,7 @@ def section(row, found):
 
 
 def text_of(found):
-    ran = [(row, found[row.name]) for row in rows.ROWS if row.name in found]
+    ran = [(row, next(iter(of.values()))) for row in rows.ROWS if (of := of_row(row, found))]
     lines = "".join("| [`%s`](#%s) | %s | %s | %s |\n" % (
         row.name, row.name, row.title, one["date"], one["commit"]) for row, one in ran)
     machines = sorted({one["machine"] for _, one in ran})

@@ -45,6 +45,9 @@ def main():
         for row in rows.ROWS:
             if asked.row and row.name not in asked.row:
                 continue
+            if gpu and not row.on_device:
+                print("%-8s left out: it does not bake on FASCICLE_DEVICE" % row.name, flush=True)
+                continue
             count = row.seldom if asked.short else max(1, round(row.often * asked.share))
             begin = time.monotonic()
             try:

@@ -296,21 +296,22 @@ class Row(typing.NamedTuple):
     function: typing.Callable
     often: int  # for the page
     seldom: int  # in CI
+    on_device: bool = False  # its bakes run on FASCICLE_DEVICE
 
 
 ROWS = (
-    Row("killed", "SIGKILL at random moments", killed, 1000, 4),
-    Row("stopped", "SIGTERM and SIGINT at random moments", stopped, 400, 4),
+    Row("killed", "SIGKILL at random moments", killed, 1000, 4, True),
+    Row("stopped", "SIGTERM and SIGINT at random moments", stopped, 400, 4, True),
     Row("durable", "Order of writes, syncs and renames", durable, 24, 12),
-    Row("resumed", "Resuming from random frames with other settings", resumed, 200, 2),
-    Row("batches", "Signals to a whole batch", batches_stopped, 60, 3),
-    Row("disk", "Full disks and I/O errors", disk_fails, 200, 7),
+    Row("resumed", "Resuming from random frames with other settings", resumed, 200, 2, True),
+    Row("batches", "Signals to a whole batch", batches_stopped, 60, 3, True),
+    Row("disk", "Full disks and I/O errors", disk_fails, 200, 7, True),
     Row("damaged", "Flipped bits and truncated files", damaged, 12000, 40),
     Row("outside", "Sockets, files and programs outside the bake", outside, 16, 5),
     Row("surfaces", "Hostile surfaces", surfaces, 5000, 8),
     Row("values", "Hostile scene values", parameters, 10000, 10),
     Row("names", "Hostile names", names, 270, 2),
-    Row("clashes", "Bakes that share a folder or a cache", clashes, 60, 3),
+    Row("clashes", "Bakes that share a folder or a cache", clashes, 60, 3, True),
     Row("drivers", "Missing and broken Vulkan drivers and layers", drivers, 20, 5),
     Row("device", "Vulkan calls that fail", device_faults, 200, 8),
     Row("load", "Very long, many and large bakes", load, 10000, 100),
