@@ -85,7 +85,9 @@ CommandBuffer::CommandBuffer(Device::Impl& device, const CommandPool& pool) : de
 void CommandBuffer::begin_timing(const Timestamps& timestamps, std::uint32_t pair) {
   if (pair >= timestamps.pairs()) return;
   device_->call.vkCmdResetQueryPool(commands_, timestamps.get(), 2 * pair, 2);
-  device_->call.vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps.get(), 2 * pair);
+  // When earlier work is done: at the top of the pipe, the time of earlier submissions would count too.
+  device_->call.vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.get(),
+                                    2 * pair);
 }
 
 void CommandBuffer::end_timing(const Timestamps& timestamps, std::uint32_t pair) {

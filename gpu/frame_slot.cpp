@@ -57,14 +57,15 @@ FrameSlot::Sections FrameSlot::lay_out(const model::Drive& drive) const {
 void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32_t vertices,
                         std::uint32_t surface_vertices) {
   const Sections sections = lay_out(drive);
-  const bool moved = sections != sections_ || !descriptors_;
+  // Anything below may fail for lack of memory, and the slot is then prepared again.
+  are_sets_valid_ = are_sets_valid_ && sections == sections_;
   sections_ = sections;
   drive_bytes_ = sections.back().offset + sections.back().bytes;
   if (drive_.size() < drive_bytes_) {
     upload_ = Buffer(*device_, drive_bytes_, BufferUse::upload);
     drive_ = Buffer(*device_, drive_bytes_, BufferUse::storage);
   }
-  if (moved) make_sets();
+  if (!are_sets_valid_) make_sets();
   const auto parts = parts_of(drive);
   for (std::size_t p = 0; p < parts.size(); ++p)
     if (!parts[p].empty())
@@ -93,6 +94,7 @@ void FrameSlot::make_sets() {
       sets_[2 * k + (swapped ? 1 : 0)] =
           descriptors_->make_set((*kernels_)[static_cast<StageKernel>(k)], table);
   }
+  are_sets_valid_ = true;
 }
 
 void FrameSlot::record_upload(CommandBuffer& commands) const {

@@ -69,6 +69,7 @@ class FrameSlot {
   VkDeviceSize drive_bytes_ = 0;
   std::optional<DescriptorPool> descriptors_;
   std::array<VkDescriptorSet, 2 * stage_kernel_count> sets_{};
+  bool are_sets_valid_ = false;  // for sections_ of drive_
   model::Read what_;
   VkDeviceSize vertex_bytes_ = 0, surface_bytes_ = 0, results_bytes_ = 0;
 };

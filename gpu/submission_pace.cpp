@@ -7,7 +7,7 @@ namespace {
 
 // Half of the 100 ms limit for a submission: stages cost different amounts, and machines slow down.
 constexpr double target_nanoseconds = 50e6;
-// Below this, a submission's fixed costs dominate.
+// Below this, a submission's fixed costs dominate, unless the pace allows no more.
 constexpr std::uint64_t fewest_slices_to_learn_from = 64;
 
 }  // namespace
@@ -18,7 +18,9 @@ std::uint64_t SubmissionPace::slices_per_submission() const {
 }
 
 void SubmissionPace::learn(std::uint64_t slices, double nanoseconds) {
-  if (slices < fewest_slices_to_learn_from) return;
+  // Without the second bound, a pace that one stall made slow would never recover: no submission would be
+  // large enough.
+  if (slices < std::min(fewest_slices_to_learn_from, slices_per_submission())) return;
   const double measured = nanoseconds / static_cast<double>(slices);
   nanoseconds_per_slice_ = std::max({measured, 0.75 * nanoseconds_per_slice_, 1e-3});
 }

@@ -177,8 +177,10 @@ class VulkanSolver : public model::Solver {
       set_history(state);
     }
     if (tables_.h == h) return;
-    tables_ = model::implicit_tables(model_, options_, h);
-    write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables_.responses)));
+    // The tables of the old h stay, as long as the device has theirs.
+    model::ImplicitTables tables = model::implicit_tables(model_, options_, h);
+    write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables.responses)));
+    tables_ = std::move(tables);
   }
 
   // Waits for the oldest frame in flight and keeps it for collect().

@@ -49,7 +49,7 @@ BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std:
 
 constexpr const char* device_text = R"(A GPU or the CPU, ready to run solvers.
 
-    name     "auto" (the first real GPU that passes its self-test, else the CPU), "cpu", "cpu:LEVEL" (scalar,
+    name     "auto" (the best real GPU that passes its self-test, else the CPU), "cpu", "cpu:LEVEL" (scalar,
              baseline, sse4, avx2, avx512), "vulkan" or "vulkan:N"
     threads  of the CPU solver; 0: one per core
     cache    folder for compiled shaders; "": none; None: the program's default

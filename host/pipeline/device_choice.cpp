@@ -124,6 +124,12 @@ std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
   }
   for (const gpu::DeviceInfo& device : devices)
     if (device.usable && !device.software) found.push_back(device);
+  const auto rank = [](const gpu::DeviceInfo& device) {
+    return device.type == "discrete" ? 0 : device.type == "integrated" ? 2 : 1;
+  };
+  std::stable_sort(found.begin(), found.end(), [&](const gpu::DeviceInfo& a, const gpu::DeviceInfo& b) {
+    return rank(a) != rank(b) ? rank(a) < rank(b) : a.memory > b.memory;
+  });
   if (request.kind == DeviceRequest::Kind::vulkan)
     for (const gpu::DeviceInfo& device : devices)
       if (device.usable && device.software) found.push_back(device);
@@ -226,7 +232,7 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, const
       if (automatic)
         why = "auto: a GPU that passes the self-test";
       else if (!request.index)
-        why = info.software ? "no real GPU; the first software device" : "the first real GPU";
+        why = info.software ? "no real GPU; the first software device" : "the best real GPU";
       ChosenDevice chosen = ChosenDevice::vulkan(info, request, why);
       if (!automatic || chosen.description().exact) return chosen;
       refusal = label + " is not exact: " + chosen.why_not_exact();

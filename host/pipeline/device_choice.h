@@ -44,8 +44,9 @@ std::vector<gpu::DeviceInfo> devices_for(const std::string& list);
 // The list with "all" replaced by "vulkan:0,vulkan:1,cpu".
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices);
 
-// The devices of a request in the order in which to try them. automatic: usable real GPUs; vulkan: usable
-// real GPUs, then usable software devices; with an index, that device, usable or not.
+// The devices of a request in the order in which to try them. automatic: usable real GPUs, discrete ones
+// first and those with more memory before others; vulkan: the same, then usable software devices; with an
+// index, that device, usable or not.
 std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
                                         std::span<const gpu::DeviceInfo> devices);
 
@@ -85,7 +86,7 @@ class ChosenDevice {
   std::filesystem::path cache_;
 };
 
-// Chooses a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws
+// Chooses a device. automatic: the best real GPU that passes its self-test, else the CPU. Throws
 // NoSuchDevice. `threads` 0: one per core.
 ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, const Say& say);
 

@@ -73,17 +73,21 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
     }
   };
   start_workshop();
-  try {
-    make_first();
-  } catch (const pipeline::NoSuchDevice& error) {
-    // The model is too large for the GPU.
+  // Call it in an exception handler.
+  const auto go_on_with_cpu = [&](const std::exception& error, const std::string& why) {
     if (options_.device.kind != pipeline::DeviceRequest::Kind::automatic || device_->gpu() == nullptr) throw;
     pipeline::say_warning(say_, error.what());
     workshop_.reset();
-    device_ =
-        pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, "the model does not fit the GPU");
+    device_ = pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, why);
     start_workshop();
     make_first();
+  };
+  try {
+    make_first();
+  } catch (const pipeline::NoSuchDevice& error) {
+    go_on_with_cpu(error, "the model does not fit the GPU");
+  } catch (const gpu::DeviceError& error) {
+    go_on_with_cpu(error, "the GPU failed");
   }
   if (!options_.beside.empty())
     beside_ = std::make_unique<BesideBake>(beside_choices(options_.beside, {}).front());

@@ -48,6 +48,23 @@ TEST(DeviceChoice, RequestsAreParsed) {
     EXPECT_THROW(cli::parse_device_list(bad), cli::UsageError) << bad;
 }
 
+// A laptop's loader may list the small GPU of its display first.
+TEST(DeviceChoice, DiscreteDevicesAndMoreMemoryComeFirst) {
+  std::vector<gpu::DeviceInfo> devices;
+  const auto add = [&](const char* type, std::uint64_t gibibytes) {
+    devices.push_back(device(static_cast<std::uint32_t>(devices.size()), false, true));
+    devices.back().type = type;
+    devices.back().memory = gibibytes << 30;
+  };
+  add("integrated", 60);
+  add("discrete", 2);
+  add("virtual", 16);
+  add("discrete", 80);
+  add("discrete", 80);
+  EXPECT_EQ(indices("auto", devices), (std::vector<std::uint32_t>{3, 4, 1, 2, 0}));
+  EXPECT_EQ(indices("vulkan:0", devices), (std::vector<std::uint32_t>{0}));
+}
+
 TEST(DeviceChoice, RealDevicesComeFirstAndAutoTakesNoSoftware) {
   const std::vector<gpu::DeviceInfo> devices{device(0, true, true), device(1, false, false),
                                              device(2, false, true), device(3, false, true)};

@@ -7,8 +7,11 @@
 #include <unistd.h>
 #include <volk.h>
 
+#include "cpu_reference/solver/cpu_solver.h"
 #include "gpu/device.h"
+#include "gpu/vulkan_solver.h"
 #include "tests/gpu/vulkan_device.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {
@@ -21,7 +24,9 @@ struct Faults {
   PFN_vkCreateInstance create_instance = nullptr;
   PFN_vkDestroyInstance destroy_instance = nullptr;
   PFN_vkDestroyDevice destroy_device = nullptr;
+  PFN_vkAllocateMemory allocate = nullptr;
   std::string failing;
+  int allocations_left = -1;  // until one fails; -1: none does
   int instances_created = 0, instances_destroyed = 0, devices_destroyed = 0;
 };
 
@@ -33,6 +38,14 @@ Faults& faults() {
 VKAPI_ATTR VkResult VKAPI_CALL no_cache(VkDevice, const VkPipelineCacheCreateInfo*,
                                         const VkAllocationCallbacks*, VkPipelineCache*) {
   return VK_ERROR_OUT_OF_HOST_MEMORY;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL limited_allocation(VkDevice device, const VkMemoryAllocateInfo* info,
+                                                  const VkAllocationCallbacks* callbacks,
+                                                  VkDeviceMemory* memory) {
+  if (faults().allocations_left == 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (faults().allocations_left > 0) --faults().allocations_left;
+  return faults().allocate(device, info, callbacks, memory);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL no_messenger(VkInstance, const VkDebugUtilsMessengerCreateInfoEXT*,
@@ -62,6 +75,10 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_of_device(VkDevice device, const
   if (std::strcmp(name, "vkDestroyDevice") == 0) {
     faults().destroy_device = reinterpret_cast<PFN_vkDestroyDevice>(real);
     return reinterpret_cast<PFN_vkVoidFunction>(&counted_device);
+  }
+  if (std::strcmp(name, "vkAllocateMemory") == 0) {
+    faults().allocate = reinterpret_cast<PFN_vkAllocateMemory>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(&limited_allocation);
   }
   if (faults().failing == name && faults().failing == "vkCreatePipelineCache")
     return reinterpret_cast<PFN_vkVoidFunction>(&no_cache);
@@ -159,6 +176,47 @@ TEST_F(Failures, OfAForkAreNone) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
   EXPECT_EQ(message({}), "opened");
+}
+
+// Another program takes the device's memory. After the load that the solver's contract asks for, frames have
+// the bits that they would have had.
+TEST_F(Failures, OfAllocationsEndWithALoad) {
+  const model::Model model = make_bar({.skeleton = true, .muscle = true, .forces = true, .implicit = true});
+  const model::SolverOptions options{.integrator = model::Integrator::implicit_step, .iterations = 4};
+  const model::Read all{.positions = true, .velocities = true, .surface = true};
+  gpu::Device device(*index);
+  const auto cpu = cpu_reference::make_cpu_solver(model, options, 1);
+  BarMotion few(model, 2), many(model, 9);  // more substeps need a larger drive and other tables
+  int failures = 0;
+  for (bool has_failed = true; has_failed;) {
+    const auto solver = gpu::make_vulkan_solver(device, model, options);
+    cpu->load(solver->save());
+    for (model::Solver* each : {solver.get(), cpu.get()}) {
+      each->submit(few.drive(1), all);
+      each->collect();
+    }
+    const model::State state = solver->save();
+    faults().allocations_left = failures;
+    has_failed = false;
+    try {
+      solver->submit(many.drive(2), all);
+      solver->collect();
+    } catch (const gpu::DeviceError& error) {
+      EXPECT_NE(std::string(error.what()).find("OUT_OF_DEVICE_MEMORY"), std::string::npos) << error.what();
+      has_failed = true;
+      ++failures;
+    }
+    faults().allocations_left = -1;
+    for (model::Solver* each : {solver.get(), cpu.get()}) {
+      each->load(state);
+      each->submit(many.drive(2), all);
+    }
+    const model::Frame frame = solver->collect(), reference = cpu->collect();
+    EXPECT_EQ(frame.positions, reference.positions) << failures;
+    EXPECT_EQ(frame.velocities, reference.velocities) << failures;
+    EXPECT_EQ(frame.surface, reference.surface) << failures;
+  }
+  EXPECT_GE(failures, 3) << "the tables, the upload and the drive";
 }
 
 TEST_F(Failures, OfTheMessengerDestroysTheInstance) {

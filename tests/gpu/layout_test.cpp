@@ -67,6 +67,22 @@ TEST(SubmissionPace, KeepsSubmissionsUnder100Milliseconds) {
   EXPECT_EQ(pace.slices_per_submission(), 1u) << "a slice that takes a second must be submitted alone";
 }
 
+// A device stalls for a moment: another program uses it, or the machine sleeps.
+TEST(SubmissionPace, RecoversFromAStall) {
+  for (const bool software : {false, true})
+    for (const double stall : {80e6, 2e9, 600e9}) {
+      gpu::SubmissionPace pace(software);
+      pace.learn(100, stall);
+      EXPECT_LT(pace.slices_per_submission(), 64u);
+      // A microsecond a slice; each submission is as large as allowed.
+      for (int k = 0; k < 100; ++k) {
+        const std::uint64_t slices = pace.slices_per_submission();
+        pace.learn(slices, static_cast<double>(slices) * 1e3);
+      }
+      EXPECT_GT(pace.slices_per_submission(), 40'000u) << stall;
+    }
+}
+
 TEST(SubmissionPace, DoesNotLearnFromSmallSubmissions) {
   gpu::SubmissionPace pace(false);
   const std::uint64_t before = pace.slices_per_submission();
