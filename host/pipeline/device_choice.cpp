@@ -205,7 +205,7 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
   try {
     const std::string before = pipelines();
     std::unique_ptr<model::Solver> solver = gpu::make_vulkan_solver(*device_, model, options);
-    if (const std::string after = pipelines(); after != before)
+    if (const std::string after = pipelines(); !after.empty() && after != before)
       build::Cache(cache_).put(key_of_pipelines(device_->info()), after);
     return solver;
   } catch (const gpu::DeviceLost&) {
