@@ -27,8 +27,7 @@ std::vector<std::string> layer(const std::string& fault, const std::string& coun
   std::vector<std::string> environment{"VK_INSTANCE_LAYERS=VK_LAYER_FASCICLE_faults",
                                        "VK_LAYER_PATH=" FASCICLE_FAULT_LAYER_FOLDER,
                                        // Mesa's layer that sorts devices crashes if one of its queries fails.
-                                       "NODEVICE_SELECT=1",
-                                       "FASCICLE_FAULT=" + fault};
+                                       "NODEVICE_SELECT=1", "FASCICLE_FAULT=" + fault};
   if (!count_file.empty()) environment.push_back("FASCICLE_FAULT_COUNT=" + count_file);
   return environment;
 }
