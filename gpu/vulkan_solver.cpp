@@ -39,7 +39,6 @@ RecorderOptions recorder_options(const Experiments& experiments) {
           experiments.on_dispatch};
 }
 
-// After a DeviceError from any call the solver's state is undefined; destroying it is always allowed.
 class VulkanSolver : public model::Solver {
  public:
   VulkanSolver(Device& device, const Model& model, const model::SolverOptions& options,
@@ -177,8 +176,9 @@ class VulkanSolver : public model::Solver {
       set_history(state);
     }
     if (tables_.h == h) return;
-    // The tables of the old h stay, as long as the device has theirs.
+    // If the write fails, the device may have the tables of either h, so they count as those of none.
     model::ImplicitTables tables = model::implicit_tables(model_, options_, h);
+    tables_ = {};
     write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables.responses)));
     tables_ = std::move(tables);
   }

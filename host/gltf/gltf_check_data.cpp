@@ -62,7 +62,7 @@ std::uint64_t GltfCheck::data_uri_bytes(const std::string& pointer, const std::s
 }
 
 void GltfCheck::buffers() {
-  std::uint64_t total = 0, repeated = 0;
+  std::uint64_t total = 0, repeated = 0, read = 0;
   std::set<std::filesystem::path> files;
   out_["buffers"] = json::array();
   for (const GltfPlace& place : objects({&file_.document, ""}, "buffers")) {
@@ -109,6 +109,10 @@ void GltfCheck::buffers() {
         fail(pointer, "is missing, and there is no BIN chunk for this buffer");
       }
       have = bytes.size();
+      read += have;
+      if (read > gltf_largest_file)
+        fail(pointer, "the files of the buffers together have more than " +
+                          std::to_string(gltf_largest_file) + " bytes");
       if (have >= length) bytes.resize(static_cast<std::size_t>(length));
       name = "buffer-" + std::to_string(buffer_bytes_.size());
       checked_.buffers[name] = std::move(bytes);

@@ -13,7 +13,8 @@ namespace fascicle::gltf {
 std::size_t stored_bytes(const tinygltf::Model& model);
 
 // The measure of a file's size on which limits depend: the bytes of all buffers, but at most four times those
-// stored. Compressed meshes take a half to an eighth; hostile ones a thousandth.
+// stored. Compressed meshes take a half to an eighth, and limits leave room for several times as much;
+// hostile ones take a thousandth.
 std::size_t measured_bytes(const tinygltf::Model& model);
 
 // Adds up what a reader of the parts will hold, before anything is decoded.

@@ -81,7 +81,7 @@ std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
 class LooksReader {
  public:
   LooksReader(const fs::path& path, const json& document, const tinygltf::Model& model)
-      : path_(path), document_(document), model_(model), embedded_left_(stored_bytes(model)) {}
+      : path_(path), document_(document), model_(model), beside_(path), embedded_left_(stored_bytes(model)) {}
 
   Looks run(const Rig& rig) {
     std::vector<std::uint64_t> uv_sets;
@@ -185,10 +185,7 @@ class LooksReader {
           why = "is not base64";
           bytes = shared_bytes("image " + std::to_string(number), [&] { return bytes_of_data_uri(text); });
         } else {
-          const std::string file = gltf_buffer_file(path_, "/images", text).string();
-          std::vector<fs::path> ignored;
-          bytes =
-              shared_bytes("file " + file, [&] { return read_gltf_buffer(path_, "/images", text, ignored); });
+          bytes = beside_.read("/images", text);
         }
       }
     } catch (const base::SceneError& error) {
@@ -271,7 +268,8 @@ class LooksReader {
   std::map<std::tuple<std::size_t, TextureWrap, TextureWrap>, std::int32_t>
       number_of_wrapped_;                       // of an image
   std::map<std::string, ImageBytes> bytes_of_;  // by where they are
-  std::size_t embedded_left_;                   // bytes of views that may still be copied
+  ImagesBeside beside_;
+  std::size_t embedded_left_;  // bytes of views that may still be copied
   Looks looks_;
 };
 

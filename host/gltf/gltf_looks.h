@@ -3,19 +3,17 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "host/gltf/gltf_images.h"
 #include "host/gltf/gltf_rig.h"
 
 namespace fascicle::gltf {
 
 enum class TextureWrap { repeat, mirror, clamp };
-
-using ImageBytes = std::shared_ptr<const std::vector<unsigned char>>;
 
 struct LookTexture {
   std::string name;  // for messages

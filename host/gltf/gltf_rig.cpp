@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "host/base/errors.h"
@@ -13,6 +13,7 @@
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_document.h"
+#include "host/gltf/gltf_images.h"
 #include "host/gltf/gltf_library.h"
 #include "host/gltf/gltf_parts.h"
 #include "host/gltf/gltf_shapes.h"
@@ -37,39 +38,33 @@ void append_aligned(std::string& binary, const unsigned char* bytes, std::size_t
   binary.append(reinterpret_cast<const char*>(bytes), count);
 }
 
-bool is_png(std::string_view bytes) {
-  return bytes.starts_with("\x89PNG");
+bool is_png(const std::vector<unsigned char>& bytes) {
+  return bytes.size() > 4 && bytes[0] == 0x89 && bytes[1] == 'P' && bytes[2] == 'N' && bytes[3] == 'G';
 }
 
 void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::string>& missing) {
   if (!document.json.contains("images")) return;
   std::size_t number = 0;
-  std::map<fs::path, std::size_t> view_of;  // many images may name one file
+  ImagesBeside beside(path);
+  const ImageBytes white =
+      std::make_shared<const std::vector<unsigned char>>(white_pixel.begin(), white_pixel.end());
+  std::map<ImageBytes, std::size_t> view_of;  // many images may name one file
   for (json& image : document.json["images"]) {
     const std::string pointer = "/images/" + std::to_string(number++) + "/uri";
     if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) continue;
     const std::string uri = image["uri"];
     if (uri.starts_with("data:")) continue;
-    fs::path file;  // empty: missing
-    std::vector<unsigned char> bytes;
+    ImageBytes bytes = white;
     try {
-      std::vector<fs::path> ignored;
-      file = gltf_buffer_file(path, pointer, uri);
-      if (!view_of.contains(file)) bytes = read_gltf_buffer(path, pointer, uri, ignored);
+      bytes = beside.read(pointer, uri);
     } catch (const base::SceneError&) {
       missing.push_back(uri);
-      file.clear();
-      bytes.assign(white_pixel.begin(), white_pixel.end());
     }
-    const auto [view, is_new] = view_of.try_emplace(file);
-    if (is_new) view->second = add_view(document, bytes.data(), bytes.size());
+    const auto [view, is_new] = view_of.try_emplace(bytes);
+    if (is_new) view->second = add_view(document, bytes->data(), bytes->size());
     image.erase("uri");
     image["bufferView"] = view->second;
-    const json& of_view = document.json["bufferViews"][view->second];
-    image["mimeType"] =
-        is_png(std::string_view(document.binary).substr(of_view["byteOffset"].get<std::size_t>()))
-            ? "image/png"
-            : "image/jpeg";
+    image["mimeType"] = is_png(*bytes) ? "image/png" : "image/jpeg";
   }
 }
 

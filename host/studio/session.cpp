@@ -61,6 +61,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   const auto start_workshop = [&] {
     workshop_ = std::make_unique<Workshop>(text_source, options_.build, *device_);
   };
+  std::unique_ptr<LiveMotion> motion;
   const auto make_first = [&] {
     try {
       body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
@@ -71,12 +72,15 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       }
       body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
     }
+    motion = std::make_unique<LiveMotion>(body_);
   };
   start_workshop();
   // Call it in an exception handler.
   const auto go_on_with_cpu = [&](const std::exception& error, const std::string& why) {
     if (options_.device.kind != pipeline::DeviceRequest::Kind::automatic || device_->gpu() == nullptr) throw;
-    pipeline::say_warning(say_, error.what());
+    pipeline::say_warning(say_, device_->label() + ": " + error.what() + "; the CPU takes over");
+    motion.reset();
+    body_.reset();
     workshop_.reset();
     device_ = pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, why);
     start_workshop();
@@ -102,7 +106,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
     autosaved_ = std::time(nullptr);
     broadcast(history_json());
   });
-  player_ = std::make_unique<Player>(std::make_unique<LiveMotion>(body_), player_events());
+  player_ = std::make_unique<Player>(std::move(motion), player_events());
   player_->watch(false);
   builder_ = std::thread([this] { build_on(); });
 }

@@ -245,7 +245,7 @@ static inline fascicle_device_options fascicle_device_options_default(void) {
   return options;
 }
 
-/* `name`: "auto" or NULL (the first real GPU that passes its self-test, else the CPU), "cpu", "cpu:LEVEL"
+/* `name`: "auto" or NULL (the best real GPU that passes its self-test, else the CPU), "cpu", "cpu:LEVEL"
  * (scalar, baseline, sse4, avx2, avx512), "vulkan" or "vulkan:N". */
 FASCICLE_API fascicle_status fascicle_device_open(const char* name, const fascicle_device_options* options,
                                                   fascicle_device** device);

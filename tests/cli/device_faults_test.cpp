@@ -183,5 +183,31 @@ TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
   }
 }
 
+// `auto` takes no software device, so this one claims to be a GPU.
+TEST(AutomaticDevice, IsLeftIfItFails) {
+  NEEDS_VULKAN();
+  const TemporaryFolder folder;
+  const auto on_a_gpu = [&](long call, const std::string& count_file = {}) {
+    std::vector<std::string> environment = layer(std::to_string(call) + " -4", count_file);
+    environment.push_back("FASCICLE_FAULT_DISCRETE=1");
+    return environment;
+  };
+  const Outcome plain = fascicle(bake(folder / "plain", "auto"), on_a_gpu(0, folder / "count"));
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_EQ(manifest_in(folder / "plain").at("device").at("solver"), "vulkan");
+  long calls = 0;
+  std::ifstream(folder / "count") >> calls;
+  ASSERT_GT(calls, 60);
+
+  long left = 0;
+  for (long call = 20; call < calls; call += calls / 8) {
+    SCOPED_TRACE("call " + std::to_string(call) + " of " + std::to_string(calls));
+    const Outcome outcome = fascicle(bake(folder / std::to_string(call), "auto"), on_a_gpu(call));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    left += manifest_in(folder / std::to_string(call)).at("device").at("solver") == "cpu" ? 1 : 0;
+  }
+  EXPECT_GT(left, 4);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

@@ -1,6 +1,7 @@
 // A Vulkan layer with failing calls: FASCICLE_FAULT="K RESULT" makes the Kth call that can fail return the
 // VkResult, counted over the whole process; "FUNCTION RESULT" the first call of this function. A lost device
-// stays lost. FASCICLE_FAULT_COUNT names a file that receives the number of calls at the end of the process.
+// stays lost. With FASCICLE_FAULT_DISCRETE all devices claim to be discrete GPUs. FASCICLE_FAULT_COUNT names
+// a file that receives the number of calls at the end of the process.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -46,6 +47,7 @@ struct Faults {
   PFN_vkGetInstanceProcAddr of_instance = nullptr;
   PFN_vkGetDeviceProcAddr of_device = nullptr;
   PFN_vkDestroyInstance destroy_instance = nullptr;
+  PFN_vkGetPhysicalDeviceProperties properties = nullptr;
   VkDevice device = VK_NULL_HANDLE;
   PFN_vkDeviceWaitIdle wait_idle = nullptr;
   std::array<PFN_vkVoidFunction, names.size()> real{};
@@ -162,6 +164,8 @@ VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCal
   if (result != VK_SUCCESS) return result;
   faults().destroy_instance =
       reinterpret_cast<PFN_vkDestroyInstance>(faults().of_instance(*instance, "vkDestroyInstance"));
+  faults().properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(
+      faults().of_instance(*instance, "vkGetPhysicalDeviceProperties"));
   for (std::size_t k = 0; k < names.size(); ++k)
     if (is_of_instance(names[k])) faults().real[k] = faults().of_instance(*instance, names[k]);
   return result;
@@ -169,6 +173,11 @@ VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCal
 
 void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocation) {
   faults().destroy_instance(instance, allocation);
+}
+
+void properties_of_discrete(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
+  faults().properties(device, properties);
+  properties->deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
 }
 
 VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
@@ -212,6 +221,8 @@ __attribute__((visibility("default"))) PFN_vkVoidFunction faults_of_instance(VkI
     return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_device);
   if (std::strcmp(name, "vkGetInstanceProcAddr") == 0)
     return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_instance);
+  if (std::strcmp(name, "vkGetPhysicalDeviceProperties") == 0 && std::getenv("FASCICLE_FAULT_DISCRETE"))
+    return reinterpret_cast<PFN_vkVoidFunction>(&properties_of_discrete);
   if (is_of_instance(name))
     if (const PFN_vkVoidFunction found = failing_named(name)) return found;
   return faults().of_instance == nullptr ? nullptr : faults().of_instance(instance, name);

@@ -130,5 +130,28 @@ TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "-o", "/proc/nowhere"}).status, 3);
 }
 
+// `auto` takes no software device, so this one claims to be a GPU. It is lost at one call after another, of
+// which the first ones come before the page opens.
+TEST(StudioProgram, OpensWithTheCpuIfTheGpuFails) {
+  NEEDS_VULKAN();
+  long told = 0;
+  for (const int call : {15, 50, 80, 120, 160, 200, 250, 300}) {
+    SCOPED_TRACE("call " + std::to_string(call));
+    const TemporaryFolder folder;
+    const std::uint16_t port = free_port();
+    Program program(
+        {"studio", "bar-hang-along", "--headless", "--port", std::to_string(port), "-o", folder / "session"},
+        {"VK_INSTANCE_LAYERS=VK_LAYER_FASCICLE_faults", "VK_LAYER_PATH=" FASCICLE_FAULT_LAYER_FOLDER,
+         "NODEVICE_SELECT=1", "FASCICLE_FAULT_DISCRETE=1", "FASCICLE_CACHE_DIR=" + folder / "cache",
+         "FASCICLE_FAULT=" + std::to_string(call) + " -4"});
+    wait_until_open(port, program);
+    program.send(SIGTERM);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    told += contains(outcome.err, "; the CPU takes over") ? 1 : 0;
+  }
+  EXPECT_GT(told, 0);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

@@ -290,5 +290,23 @@ TEST(GltfLimits, images_beside_the_file_are_read_once) {
   }
 }
 
+TEST(GltfLimits, images_beside_the_file_have_a_limit_together) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "any.gltf";
+  for (const char* name : {"a.png", "b.png", "c.png", "d.png"}) folder.write(name, std::string(1000, 'x'));
+  gltf::ImagesBeside images(path, 2500);
+  const gltf::ImageBytes first = images.read("/images/0/uri", "a.png");
+  EXPECT_EQ(first->size(), 1000U);
+  EXPECT_EQ(images.read("/images/1/uri", "./a.png"), first);
+  EXPECT_EQ(images.read("/images/2/uri", "b.png")->size(), 1000U);
+  for (const char* name : {"c.png", "d.png"}) {
+    const std::string refusal = refusal_by([&] { images.read("/images/3/uri", name); });
+    EXPECT_NE(refusal.find("/images/3/uri: the images beside the file have more than 2500 bytes in all"),
+              std::string::npos)
+        << refusal;
+  }
+  EXPECT_EQ(images.read("/images/4/uri", "a.png"), first);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

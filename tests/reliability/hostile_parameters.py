@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 
-from bakes import BAD_INPUT, DONE, PROGRAM, hold, must_be_found
+from bakes import BAD_INPUT, DEVICE, DONE, PROGRAM, hold, must_be_found
 from refusals import BAD_USAGE, INTERRUPTED, NOT_FINITE, controls, ended_or_stopped, hold_refusal, in_pairs
 
 
@@ -237,7 +237,8 @@ def parameters(bakes, count):
     controls(environment, root)
     controls_of_values(root)
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
-    vulkan = "vulkan:0" in devices
+    gpu = DEVICE if DEVICE.startswith("vulkan:") else "vulkan:0"
+    vulkan = gpu in devices
     # The first scene of each kind is unchanged: it would expose a program that refuses everything.
     bare = len(kinds) if count >= 50 else 1
 
@@ -245,7 +246,7 @@ def parameters(bakes, count):
         for k in range(count):
             _, scene, keys, small = kinds[k] if k < bare else random.choices(kinds, [kind[0] for kind in kinds])[0]
             changes = with_frames({**small, **(drawn_changes(keys) if k >= bare else {})})
-            on = ("cpu", "vulkan:0") if vulkan and k % 5 == 0 else ("cpu",)
+            on = ("cpu", gpu) if vulkan and k % 5 == 0 else ("cpu",)
             yield scene, changes, on, environment, os.path.join(root, str(k))
 
     refused = burst = compared = stopped = 0

@@ -116,6 +116,7 @@ def outside(bakes, count):
     bake on Mesa's software Vulkan device."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
+    has_converter = os.path.exists(os.path.join(os.path.dirname(PROGRAM), CONVERTER))
 
     def prepared(root):
         """Writes the input files of the commands below."""
@@ -136,6 +137,8 @@ def outside(bakes, count):
         return traced([*command, "-o", root + "/out"], environment, root, root + ".strace"), ()
 
     def converted(bake, root, environment):
+        if not has_converter:
+            return None, ()
         command = [PROGRAM, "bake", "spindle.dae", "--end", "0.05", "--device", "cpu", "-o", root + "/out"]
         lines = traced(command, environment, root, root + ".strace")
         hold(any(CONVERTER in line for line in lines if line.startswith("execve(")), "the converter was not started")
@@ -190,6 +193,8 @@ def outside(bakes, count):
         for folder in (root, temporary, home, root + ".strace"):
             shutil.rmtree(folder)
     said = "on the CPU and on lavapipe" if drivers else "on the CPU (NOT TESTED: lavapipe, which is not here)"
+    if not has_converter:
+        said += " (NOT TESTED: the converter, which was not built)"
     return "%d traces: no socket; nothing changed but the output, the cache and temporary files; nothing else " \
            "opened or looked for by opening it but the input, libraries and the system's description of the " \
            "processor; no program started but the mesher, the converter for Collada and, by a batch, its bakes; %s" % (

@@ -36,6 +36,9 @@ def main():
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=page.DOCS, text=True, stdout=subprocess.PIPE,
                             stderr=subprocess.DEVNULL, check=False).stdout.strip() or "unknown"
     found, is_broken, gpu = {}, True, bakes.gpu()
+    others = [row.name for row in rows.ROWS if row.name in asked.row and not row.on_device]
+    if gpu and others:
+        parser.error("%s: these do not bake on FASCICLE_DEVICE" % ", ".join(others))
     root = tempfile.mkdtemp(prefix="fascicle-reliability-")
     try:
         small = bakes.small_bakes()
@@ -46,7 +49,6 @@ def main():
             if asked.row and row.name not in asked.row:
                 continue
             if gpu and not row.on_device:
-                print("%-8s left out: it does not bake on FASCICLE_DEVICE" % row.name, flush=True)
                 continue
             count = row.seldom if asked.short else max(1, round(row.often * asked.share))
             begin = time.monotonic()

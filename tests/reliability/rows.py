@@ -45,8 +45,9 @@ def resumed(bakes, count):
     found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
     hold(found, "the CPU lists no levels")
     every_device = ["cpu:" + level for level in found.group(1).split(", ")]
-    if "vulkan:0" in devices:
-        every_device += ["vulkan:0"] * len(every_device)
+    vulkan = DEVICE if DEVICE.startswith("vulkan:") else "vulkan:0"
+    if vulkan in devices:
+        every_device += [vulkan] * len(every_device)
     of_vulkan = 0
     for k in range(count):
         bake = bakes[1 if k % 10 == 9 else 0]
@@ -61,7 +62,7 @@ def resumed(bakes, count):
         kept = random.sample(all_of := first[formats].split(","), random.randint(1, len(all_of)))
         first[formats] = ",".join(name for name in all_of if name in kept or name == "vtu")
         before, after = random.choice(every_device), random.choice(every_device)
-        of_vulkan += before != after and "vulkan:0" in (before, after)
+        of_vulkan += before != after and vulkan in (before, after)
         command = [PROGRAM, "bake", *first, "--device", before, "--threads", "1", "-o", folder]
         done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
         hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
@@ -309,7 +310,7 @@ ROWS = (
     Row("damaged", "Flipped bits and truncated files", damaged, 12000, 40),
     Row("outside", "Sockets, files and programs outside the bake", outside, 16, 5),
     Row("surfaces", "Hostile surfaces", surfaces, 5000, 8),
-    Row("values", "Hostile scene values", parameters, 10000, 10),
+    Row("values", "Hostile scene values", parameters, 10000, 10, True),
     Row("names", "Hostile names", names, 270, 2),
     Row("clashes", "Bakes that share a folder or a cache", clashes, 60, 3, True),
     Row("drivers", "Missing and broken Vulkan drivers and layers", drivers, 20, 5),
