@@ -65,9 +65,9 @@ reads the seeds and all earlier finds, damages them by fixed rules, and extends 
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
 Each line is the last run of its target, on %s, with %s. The peak memory is that of one process.
-`./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000` runs targets for longer, and
-`--processes 8` runs each in eight processes, which share what they find. What once broke a reader is kept in
-`tests/fuzz/kept`, and `test_fuzz` reads it in every build.
+`./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000 --processes 8` runs targets for longer, each
+in eight processes, which share what they find. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz`
+reads it in every build.
 """
 
 
