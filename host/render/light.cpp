@@ -116,6 +116,27 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
         }
     }
   }
+  find_blocks();
+}
+
+void ShadowMap::find_blocks() {
+  constexpr int side = 1 << block_bits;
+  const int in_row = (size_ + side - 1) / side;
+  blocks_in_row_ = static_cast<std::size_t>(in_row);
+  blocks_.assign(blocks_in_row_ * blocks_in_row_, {-nothing, nothing});
+  for (int y = 0; y < size_; ++y) {
+    const float* row = &height_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_)];
+    const std::size_t first = static_cast<std::size_t>(y / side) * blocks_in_row_;
+    for (int b = 0; b < in_row; ++b) {
+      const auto [least, most] =
+          std::minmax_element(row + b * side, row + std::min(size_, (b + 1) * side + 1));
+      const auto widen = [&](Heights& block) {
+        block = {std::min(block.least, *least), std::max(block.most, *most)};
+      };
+      widen(blocks_[first + static_cast<std::size_t>(b)]);
+      if (y % side == 0 && y > 0) widen(blocks_[first - blocks_in_row_ + static_cast<std::size_t>(b)]);
+    }
+  }
 }
 
 float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
@@ -129,6 +150,9 @@ float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const
   if (!(x >= 0.0f && y >= 0.0f && x <= limit && y <= limit)) return 1.0f;
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
+  const Heights& block = block_of(column, row);
+  if (height < block.least) return 0.0f;
+  if (height >= block.most) return (1.0f - v) * ((1.0f - u) + u) + v * ((1.0f - u) + u);
   const auto lit = [&](int dx, int dy) { return is_lit(column + dx, row + dy, height) ? 1.0f : 0.0f; };
   return (1.0f - v) * ((1.0f - u) * lit(0, 0) + u * lit(1, 0)) + v * ((1.0f - u) * lit(0, 1) + u * lit(1, 1));
 }

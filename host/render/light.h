@@ -28,10 +28,26 @@ class ShadowMap {
                              static_cast<std::size_t>(x)];
   }
 
+  // Of a block of texels: most points are above or below all of it, and then one block is read instead of
+  // four texels far apart in memory.
+  struct Heights {
+    float least, most;
+  };
+  const Heights& block_of(int x, int y) const {
+    return blocks_[static_cast<std::size_t>(y >> block_bits) * blocks_in_row_ +
+                   static_cast<std::size_t>(x >> block_bits)];
+  }
+  void find_blocks();
+
+  static constexpr int block_bits = 3;
+
   Vector3f right_, up_, towards_, center_;
   float scale_ = 1.0f, texel_ = 1.0f;  // texels per metre, metres per texel
   int size_ = 1;
   std::vector<float> height_;  // height towards the lamp of the surface nearest to it
+  std::vector<Heights>
+      blocks_;  // each of a square of 2^block_bits texels and the next row and column after it
+  std::size_t blocks_in_row_ = 1;
 };
 
 struct Lamp {

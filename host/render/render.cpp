@@ -139,17 +139,18 @@ struct Sample {
   std::uint32_t facet = no_triangle;
 };
 
-// The samples of one band, pixel by pixel.
+// The samples of one band, pixel by pixel, in memory that the next band takes again.
 class Band {
  public:
   Band(const Facets& facets, unsigned band, unsigned width, unsigned height,
-       std::span<const GridPoint> pattern)
+       std::span<const GridPoint> pattern, std::vector<Sample>& samples)
       : facets_(facets),
         pattern_(pattern),
         width_(width),
         first_row_(band * band_rows),
         rows_(std::min(band_rows, height - band * band_rows)),
-        samples_(std::size_t{width} * rows_ * pattern.size()) {
+        samples_(samples) {
+    samples_.assign(std::size_t{width} * rows_ * pattern.size(), {});
     for (const std::uint32_t f : facets.of_band[band]) draw(f);
   }
 
@@ -204,7 +205,7 @@ class Band {
   const Facets& facets_;
   std::span<const GridPoint> pattern_;
   unsigned width_, first_row_, rows_;
-  std::vector<Sample> samples_;
+  std::vector<Sample>& samples_;
 };
 
 // Compresses bright light towards white instead of clipping it; values below 0.7 are unchanged.
@@ -230,16 +231,18 @@ class Painter {
 
   Image paint() const {
     Image image(camera_.width, camera_.height);
-    base::for_each_in_parallel(
-        facets_.of_band.size(), base::thread_count(threads_), [&](std::size_t b, std::size_t) {
-          const Band band(facets_, static_cast<unsigned>(b), camera_.width, camera_.height, spread_points);
-          for (unsigned row = 0; row < band.rows(); ++row)
-            for (unsigned x = 0; x < camera_.width; ++x) {
-              const unsigned y = band.first_row() + row;
-              const Vector3f light = resolve(band.pixel(x, row), x, y);
-              for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
-            }
-        });
+    const std::size_t threads = base::thread_count(threads_);
+    std::vector<std::vector<Sample>> samples(threads);
+    base::for_each_in_parallel(facets_.of_band.size(), threads, [&](std::size_t b, std::size_t worker) {
+      const Band band(facets_, static_cast<unsigned>(b), camera_.width, camera_.height, spread_points,
+                      samples[worker]);
+      for (unsigned row = 0; row < band.rows(); ++row)
+        for (unsigned x = 0; x < camera_.width; ++x) {
+          const unsigned y = band.first_row() + row;
+          const Vector3f light = resolve(band.pixel(x, row), x, y);
+          for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
+        }
+    });
     return image;
   }
 
@@ -379,18 +382,20 @@ DepthImage render_depth(std::span<const Shape> shapes, const Camera& camera, uns
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   DepthImage image{camera.width, camera.height, std::vector<std::uint32_t>(pixels, no_triangle),
                    std::vector<float>(pixels)};
-  base::for_each_in_parallel(
-      facets.of_band.size(), base::thread_count(threads), [&](std::size_t b, std::size_t) {
-        const Band band(facets, static_cast<unsigned>(b), camera.width, camera.height, center_point);
-        for (unsigned row = 0; row < band.rows(); ++row)
-          for (unsigned x = 0; x < camera.width; ++x) {
-            const Sample& sample = band.pixel(x, row)[0];
-            if (sample.facet == no_triangle) continue;
-            const std::size_t pixel = std::size_t{band.first_row() + row} * camera.width + x;
-            image.triangle[pixel] = facets.number[sample.facet];
-            image.depth[pixel] = 1.0f / sample.nearness;
-          }
-      });
+  const std::size_t workers = base::thread_count(threads);
+  std::vector<std::vector<Sample>> samples(workers);
+  base::for_each_in_parallel(facets.of_band.size(), workers, [&](std::size_t b, std::size_t worker) {
+    const Band band(facets, static_cast<unsigned>(b), camera.width, camera.height, center_point,
+                    samples[worker]);
+    for (unsigned row = 0; row < band.rows(); ++row)
+      for (unsigned x = 0; x < camera.width; ++x) {
+        const Sample& sample = band.pixel(x, row)[0];
+        if (sample.facet == no_triangle) continue;
+        const std::size_t pixel = std::size_t{band.first_row() + row} * camera.width + x;
+        image.triangle[pixel] = facets.number[sample.facet];
+        image.depth[pixel] = 1.0f / sample.nearness;
+      }
+  });
   return image;
 }
 
