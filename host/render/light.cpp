@@ -139,22 +139,56 @@ void ShadowMap::find_blocks() {
   }
 }
 
-float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
+ShadowMap::Place ShadowMap::place_of(const Vector3f& point, const Vector3f& normal) const {
   // Offset by a texel and a half, plus the rise of a slope over a texel's width; otherwise a surface would
   // shadow itself.
   const Vector3f d = point + normal * (1.5f * texel_) - center_;
-  const float height = d.dot(towards_) + 1.0f * texel_;
   const float half = 0.5f * static_cast<float>(size_);
-  const float x = half + scale_ * d.dot(right_) - 0.5f, y = half + scale_ * d.dot(up_) - 0.5f;
+  return {half + scale_ * d.dot(right_) - 0.5f, half + scale_ * d.dot(up_) - 0.5f,
+          d.dot(towards_) + 1.0f * texel_};
+}
+
+float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
+  const auto [x, y, height] = place_of(point, normal);
   const float limit = static_cast<float>(size_ - 2);
   if (!(x >= 0.0f && y >= 0.0f && x <= limit && y <= limit)) return 1.0f;
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
   const Heights& block = block_of(column, row);
   if (height < block.least) return 0.0f;
-  if (height >= block.most) return (1.0f - v) * ((1.0f - u) + u) + v * ((1.0f - u) + u);
+  if (height >= block.most) return 1.0f;
   const auto lit = [&](int dx, int dy) { return is_lit(column + dx, row + dy, height) ? 1.0f : 0.0f; };
   return (1.0f - v) * ((1.0f - u) * lit(0, 0) + u * lit(1, 0)) + v * ((1.0f - u) * lit(0, 1) + u * lit(1, 1));
+}
+
+ShadowMap::Seen ShadowMap::seen_of_patch(const std::array<Vector3f, 4>& corners,
+                                         const Vector3f& normal) const {
+  // Covers the rounding of places: 1e-7 of a map's 1536 texels at most, and of the distance to a far floor.
+  constexpr float margin = 0.25f;  // texels
+  Eigen::AlignedBox3f box;
+  for (const Vector3f& corner : corners) {
+    if (!corner.allFinite()) return Seen::unknown;
+    const Place place = place_of(corner, normal);
+    box.extend(Vector3f(place.x, place.y, place.height));
+  }
+  const Vector3f least = box.min() - Vector3f(margin, margin, margin * texel_);
+  const Vector3f most = box.max() + Vector3f(margin, margin, margin * texel_);
+  const float limit = static_cast<float>(size_ - 2);
+  if (!least.allFinite() || !most.allFinite()) return Seen::unknown;
+  if (most.x() < 0.0f || most.y() < 0.0f || least.x() > limit || least.y() > limit) return Seen::whole;
+  const auto texel = [&](float at) { return static_cast<int>(std::clamp(at, 0.0f, limit)); };
+  float lowest = -nothing, highest = nothing;
+  for (int y = texel(least.y()) >> block_bits; y <= texel(most.y()) >> block_bits; ++y)
+    for (int x = texel(least.x()) >> block_bits; x <= texel(most.x()) >> block_bits; ++x) {
+      const Heights& block = block_of(x << block_bits, y << block_bits);
+      lowest = std::min(lowest, block.least);
+      highest = std::max(highest, block.most);
+      // No further block can change the answer: a patch close to the camera may cover the map.
+      if (lowest <= most.z() && highest > least.z()) return Seen::unknown;
+    }
+  if (least.z() >= highest) return Seen::whole;
+  const bool is_inside = least.x() >= 0.0f && least.y() >= 0.0f && most.x() <= limit && most.y() <= limit;
+  return is_inside && most.z() < lowest ? Seen::none : Seen::unknown;
 }
 
 std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& camera, unsigned threads) {
@@ -187,6 +221,27 @@ Vector3f irradiance(std::span<const Lamp> lamps, const Vector3f& point, const Ve
   for (const Lamp& lamp : lamps)
     if (const float cosine = normal.dot(lamp.towards); cosine > 0.0f)
       sum += lamp.colour * (cosine * lamp.shadow.visibility(point, normal));
+  return sum;
+}
+
+PatchLight light_of_patch(std::span<const Lamp> lamps, const std::array<Vector3f, 4>& corners,
+                          const Vector3f& normal) {
+  PatchLight patch{Vector3f::Zero(), {}};
+  for (std::uint32_t k = 0; k < lamps.size(); ++k) {
+    const float cosine = normal.dot(lamps[k].towards);
+    if (cosine <= 0.0f) continue;
+    const ShadowMap::Seen seen = lamps[k].shadow.seen_of_patch(corners, normal);
+    if (seen == ShadowMap::Seen::whole) patch.whole += lamps[k].colour * cosine;
+    if (seen == ShadowMap::Seen::unknown) patch.unknown.push_back(k);
+  }
+  return patch;
+}
+
+Vector3f irradiance(std::span<const Lamp> lamps, const PatchLight& patch, const Vector3f& point,
+                    const Vector3f& normal) {
+  Vector3f sum = patch.whole;
+  for (const std::uint32_t k : patch.unknown)
+    sum += lamps[k].colour * (normal.dot(lamps[k].towards) * lamps[k].shadow.visibility(point, normal));
   return sum;
 }
 

@@ -2,6 +2,7 @@
 // shadows of a wide source.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,7 +23,17 @@ class ShadowMap {
   // offsets the point from the surface it is on.
   float visibility(const Vector3f& point, const Vector3f& normal) const;
 
+  enum class Seen { whole, none, unknown };
+  // Of all points of a flat convex patch with these corners and one normal. `whole`: the visibility of each
+  // is 1, up to rounding; `none`: it is 0.
+  Seen seen_of_patch(const std::array<Vector3f, 4>& corners, const Vector3f& normal) const;
+
  private:
+  struct Place {
+    float x, y, height;  // texels from the centre of the first one, metres towards the lamp
+  };
+  Place place_of(const Vector3f& point, const Vector3f& normal) const;
+
   bool is_lit(int x, int y, float height) const {
     return height >= height_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_) +
                              static_cast<std::size_t>(x)];
@@ -63,6 +74,18 @@ std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& came
 
 // Irradiance of a plain white surface facing `normal` at `point`.
 Vector3f irradiance(std::span<const Lamp> lamps, const Vector3f& point, const Vector3f& normal);
+
+// The light of a patch of the floor: most patches are lit wholly, or not at all, by all but a few lamps.
+struct PatchLight {
+  Vector3f whole;                      // irradiance from the lamps that light all of it
+  std::vector<std::uint32_t> unknown;  // lamps of which every point must be asked
+};
+PatchLight light_of_patch(std::span<const Lamp> lamps, const std::array<Vector3f, 4>& corners,
+                          const Vector3f& normal);
+// What `irradiance` gives at a point of the patch, up to rounding.
+Vector3f irradiance(std::span<const Lamp> lamps, const PatchLight& patch, const Vector3f& point,
+                    const Vector3f& normal);
+
 // The same without occlusion.
 Vector3f free_irradiance(std::span<const Lamp> lamps, const Vector3f& normal);
 

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 
 #include "host/base/parallel.h"
 #include "host/render/colour.h"
@@ -18,6 +20,7 @@ namespace fascicle::render {
 namespace {
 
 constexpr unsigned band_rows = 8;
+constexpr unsigned patch_columns = 8;  // of a band: the floor's light is found once for all its pixels
 
 // Positions of a pixel's samples, from its corner.
 constexpr std::array<GridPoint, 1> center_point{{{grid / 2, grid / 2}}};
@@ -236,19 +239,24 @@ class Painter {
     base::for_each_in_parallel(facets_.of_band.size(), threads, [&](std::size_t b, std::size_t worker) {
       const Band band(facets_, static_cast<unsigned>(b), camera_.width, camera_.height, spread_points,
                       samples[worker]);
-      for (unsigned row = 0; row < band.rows(); ++row)
-        for (unsigned x = 0; x < camera_.width; ++x) {
-          const unsigned y = band.first_row() + row;
-          const Vector3f light = resolve(band.pixel(x, row), x, y);
-          for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
-        }
+      // Patch by patch: neighbours read the same parts of the shadow maps.
+      for (unsigned column = 0; column < camera_.width; column += patch_columns) {
+        std::optional<PatchLight> patch;
+        for (unsigned row = 0; row < band.rows(); ++row)
+          for (unsigned x = column; x < std::min(camera_.width, column + patch_columns); ++x) {
+            const unsigned y = band.first_row() + row;
+            const Vector3f light = resolve(band.pixel(x, row), x, y, patch);
+            for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
+          }
+      }
     });
     return image;
   }
 
  private:
   // Shades each facet, and the backdrop, once if the samples show it.
-  Vector3f resolve(std::span<const Sample> samples, unsigned x, unsigned y) const {
+  Vector3f resolve(std::span<const Sample> samples, unsigned x, unsigned y,
+                   std::optional<PatchLight>& patch) const {
     Vector3f sum = Vector3f::Zero();
     std::array<bool, spread_points.size()> done{};
     for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -263,25 +271,45 @@ class Painter {
         }
       const GridPoint middle{std::int64_t{x} * grid + gx / count, std::int64_t{y} * grid + gy / count};
       const Vector3f light =
-          samples[k].facet == no_triangle ? shade_backdrop(middle) : shade(samples[k].facet, middle);
+          samples[k].facet == no_triangle ? shade_backdrop(middle, patch) : shade(samples[k].facet, middle);
       sum += light * static_cast<float>(count);
     }
     return sum / static_cast<float>(samples.size());
   }
 
-  Vector3f shade_backdrop(const GridPoint& at) const {
+  // Where the ray through a point of the picture meets the floor, if it does.
+  std::optional<Vector3f> floor_at(double x, double y) const {
+    const Vector3d ray = camera_.ray(x, y);
+    const double distance = (*backdrop_.ground - camera_.eye.y()) / ray.y();
+    if (!(distance > 0.0) || !std::isfinite(distance)) return std::nullopt;
+    return Vector3f((camera_.eye + distance * ray).cast<float>());
+  }
+
+  // Of the floor behind the patch of a band that holds a pixel.
+  PatchLight patch_light(unsigned pixel_x, unsigned pixel_y) const {
+    const double x = pixel_x / patch_columns * patch_columns, y = pixel_y / band_rows * band_rows;
+    std::array<Vector3f, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (const auto place = floor_at(x + (k & 1 ? patch_columns : 0), y + (k & 2 ? band_rows : 0)))
+        corners[k] = *place;
+      else  // across the horizon
+        corners[k].setConstant(std::numeric_limits<float>::quiet_NaN());
+    return light_of_patch(lamps_, corners, Vector3f::UnitY());
+  }
+
+  // `patch`: computed when it is first needed.
+  Vector3f shade_backdrop(const GridPoint& at, std::optional<PatchLight>& patch) const {
     const double x = static_cast<double>(at.x) / grid, y = static_cast<double>(at.y) / grid;
     const float down = static_cast<float>(y / camera_.height);
     const Vector3f paper = (1.0f - down) * backdrop_.top + down * backdrop_.bottom;
     if (!backdrop_.ground) return paper;
-    const Vector3d ray = camera_.ray(x, y);
-    const double distance = (*backdrop_.ground - camera_.eye.y()) / ray.y();
-    if (!(distance > 0.0) || !std::isfinite(distance)) return paper;
-    const Vector3f place = (camera_.eye + distance * ray).cast<float>();
+    const std::optional<Vector3f> place = floor_at(x, y);
+    if (!place) return paper;
+    if (!patch) patch = patch_light(static_cast<unsigned>(at.x / grid), static_cast<unsigned>(at.y / grid));
     // The floor has the backdrop's colour, so only shadow makes it visible; light reflected by walls and body
     // keeps the shadow from being black.
     constexpr float thrown_back = 0.12f;
-    const Vector3f share = irradiance(lamps_, place, Vector3f::UnitY()).cwiseQuotient(free_ground_);
+    const Vector3f share = irradiance(lamps_, *patch, *place, Vector3f::UnitY()).cwiseQuotient(free_ground_);
     return paper.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
   }
 

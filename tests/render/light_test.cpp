@@ -1,7 +1,10 @@
 // Light and shadow in known configurations.
 #include "host/render/light.h"
 
+#include <array>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -49,6 +52,48 @@ TEST(ShadowMap, SphereDoesNotShadeItsLitSide) {
       EXPECT_EQ(map.visibility(ball.positions[k], ball.normals[k]), 0.0f) << k;
     }
   }
+}
+
+// What is said of a patch of the floor holds at each of its points, and the sum over the lamps is the same.
+TEST(ShadowMap, WhatIsSaidOfAPatchHoldsAtItsPoints) {
+  const std::vector<render::Shape> shapes{sphere({0, 1, 0}, 0.6f, white),
+                                          square({0.5f, 0.3f, 0}, {0.4f, 0, 0}, {0, 0, -0.4f}, white)};
+  const auto lamps = render::studio_lamps(shapes, camera_on_z(5.0, 900.0, 960, 960), 1);
+  const Vector3f up = Vector3f::UnitY();
+  std::mt19937 random(7);
+  const auto between = [&](float least, float most) {
+    return std::uniform_real_distribution<float>(least, most)(random);
+  };
+  std::size_t whole = 0, none = 0, unknown = 0;
+  for (int n = 0; n < 300; ++n) {
+    // Small ones, as in a picture, and some that cover the body's shadow.
+    const float side = n % 10 == 0 ? between(0.1f, 20.0f) : between(0.002f, 0.1f),
+                skew = between(-side, side);
+    const Vector3f corner(between(-2.0f, 2.0f), 0.0f, between(-2.0f, 2.0f)), u(side, 0, skew),
+        v(-skew, 0, side);
+    const std::array<Vector3f, 4> corners{corner, corner + u, corner + v, corner + u + v};
+    const render::PatchLight patch = render::light_of_patch(lamps, corners, up);
+    for (int p = 0; p < 20; ++p) {
+      const Vector3f point = corner + between(0.0f, 1.0f) * u + between(0.0f, 1.0f) * v;
+      // Sums of 92 floats in another order.
+      EXPECT_NEAR(render::irradiance(lamps, patch, point, up).x(), render::irradiance(lamps, point, up).x(),
+                  1e-5f);
+    }
+    for (const render::Lamp& lamp : lamps) {
+      const render::ShadowMap::Seen seen = lamp.shadow.seen_of_patch(corners, up);
+      whole += seen == render::ShadowMap::Seen::whole ? 1 : 0;
+      none += seen == render::ShadowMap::Seen::none ? 1 : 0;
+      unknown += seen == render::ShadowMap::Seen::unknown ? 1 : 0;
+    }
+  }
+  // Each answer is given, and most of the lamps need not be asked again.
+  EXPECT_GT(none, 500u);
+  EXPECT_GT(whole, 10000u);
+  EXPECT_LT(unknown, (whole + none) / 2);
+  // Past the horizon nothing is known.
+  const std::array<Vector3f, 4> endless{Vector3f::Zero(), Vector3f::UnitX(), Vector3f::UnitZ(),
+                                        Vector3f::Constant(std::numeric_limits<float>::quiet_NaN())};
+  EXPECT_EQ(lamps[0].shadow.seen_of_patch(endless, up), render::ShadowMap::Seen::unknown);
 }
 
 TEST(StudioLamps, KeyComesFromTheUpperLeftOfTheCamera) {
