@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gpu/device.h"
 #include "host/bake/finite.h"
 #include "host/drive/lead_in.h"
 #include "host/formats/surface.h"
@@ -146,9 +147,17 @@ ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
 }
 
 ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
-  const model::State state = solver().save();
   const std::uint64_t frame = std::min(frame_, body->frames());
-  const model::State next = carried_over(state, *body_, *body, frame);
+  const model::State next = [&] {
+    try {
+      return carried_over(solver().save(), *body_, *body, frame);
+    } catch (const gpu::DeviceError&) {
+      // The device is lost, and the state with it, unless it was kept.
+      const auto kept = kept_.find(frame_);
+      return kept == kept_.end() ? body->state_on_skeleton(frame)
+                                 : carried_over(kept->second, *body_, *body, frame);
+    }
+  }();
   // Do everything that may throw before changing any member.
   std::unique_ptr<HeldSolver> held;
   if (hand_ && has_same_shape(body_->model(), body->model())) held = hold(*body, hand_->held());
@@ -185,9 +194,10 @@ std::size_t LiveMotion::grab(std::uint32_t vertex, double radius, const Vector3d
 }
 
 void LiveMotion::release() {
-  if (held_) body_->solver().load(held_->solver->save());
+  // Lets go even if the device fails.
+  const std::unique_ptr<HeldSolver> held = std::move(held_);
   hand_.reset();
-  held_.reset();
+  if (held) body_->solver().load(held->solver->save());
 }
 
 Recording LiveMotion::record(const std::function<bool()>& stop,

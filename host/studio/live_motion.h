@@ -39,7 +39,7 @@ class LiveMotion final : public Motion {
   std::vector<scene::Solid> solids() override { return body_->solids(frame_); }
 
   RunningBody& body() { return *body_; }
-  // Continues with another body, carrying the state over.
+  // Continues with another body, carrying the state over. Also if this body's device has failed.
   ShownFrame take(std::shared_ptr<RunningBody> body);
 
   // Returns the number of vertices that the hand holds; 0 if all flesh there is kinematic. `vertex`: of the

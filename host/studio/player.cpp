@@ -236,9 +236,9 @@ void Player::pause_now() {
 }
 
 // An error while reporting trouble must not end the thread.
-void Player::tell_trouble(const char* text, bool shows_again) {
+void Player::tell_trouble(const std::exception& error, bool shows_again) {
   try {
-    if (events_.on_trouble) events_.on_trouble(text);
+    if (events_.on_trouble) events_.on_trouble(error);
     if (shows_again) show(motion_->again());
   } catch (const std::exception&) {
     pause_now();
@@ -252,9 +252,9 @@ bool Player::attempt(const std::function<void()>& what) {
   } catch (const Diverged& error) {
     calm_frames_ = 0;
     ++divergences_;
-    tell_trouble(error.what(), true);
+    tell_trouble(error, true);
   } catch (const std::exception& error) {
-    tell_trouble(error.what(), false);
+    tell_trouble(error, false);
   }
   return false;
 }

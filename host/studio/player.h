@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -32,7 +33,7 @@ struct PlayerEvents {
   // `sequence` and `rate` are filled in. The motion does not advance during the call.
   std::function<void(Motion&, const ShownFrame&)> on_frame;
   std::function<void(const PlayerState&)> on_state;
-  std::function<void(const std::string&)> on_trouble;  // the motion diverged, or work failed
+  std::function<void(const std::exception&)> on_trouble;  // the motion diverged, or work failed
 };
 
 class Player {
@@ -88,7 +89,7 @@ class Player {
   void tell();
   // False if it threw.
   bool attempt(const std::function<void()>& what);
-  void tell_trouble(const char* text, bool shows_again);
+  void tell_trouble(const std::exception& error, bool shows_again);
   void pause_now();
 
   std::unique_ptr<Motion> motion_;

@@ -56,42 +56,29 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   options_.build.is_cancelled = [this, outer = options_.build.is_cancelled] {
     return stops_ || stops_build_ || (outer && outer());
   };
-  device_ = pipeline::choose_device(options_.device, options_.threads, say_);
-  const TextSource text_source{name_, source_, source_folder_, scene.converter};
-  const auto start_workshop = [&] {
-    workshop_ = std::make_unique<Workshop>(text_source, options_.build, *device_);
-  };
+  devices_.push_back(pipeline::choose_device(options_.device, options_.threads, say_));
+  workshop_ = std::make_unique<Workshop>(TextSource{name_, source_, source_folder_, converter_},
+                                         options_.build, devices_.back());
   std::unique_ptr<LiveMotion> motion;
   const auto make_first = [&] {
     try {
-      body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
+      body_ = make(history_->text(), history_->paints(), revision_);
     } catch (const scene::SceneError& error) {
       if (restored_.empty()) throw;
       pipeline::say_warning(say_, std::string(error.what()) + "; the session starts from the original scene");
       while (history_->undo()) {
       }
-      body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
+      body_ = make(history_->text(), history_->paints(), revision_);
     }
     motion = std::make_unique<LiveMotion>(body_);
   };
-  start_workshop();
-  // Call it in an exception handler.
-  const auto go_on_with_cpu = [&](const std::exception& error, const std::string& why) {
-    if (options_.device.kind != pipeline::DeviceRequest::Kind::automatic || device_->gpu() == nullptr) throw;
-    pipeline::say_warning(say_, device_->label() + ": " + error.what() + "; the CPU takes over");
-    motion.reset();
-    body_.reset();
-    workshop_.reset();
-    device_ = pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, why);
-    start_workshop();
-    make_first();
-  };
   try {
     make_first();
-  } catch (const pipeline::NoSuchDevice& error) {
-    go_on_with_cpu(error, "the model does not fit the GPU");
   } catch (const gpu::DeviceError& error) {
-    go_on_with_cpu(error, "the GPU failed");
+    if (!may_leave_gpu()) throw;
+    motion.reset();
+    leave_gpu(error.what(), gpu_failed);
+    make_first();
   }
   if (!options_.beside.empty())
     beside_ = std::make_unique<BesideBake>(beside_choices(options_.beside, {}).front());
@@ -169,9 +156,19 @@ PlayerEvents Session::player_events() {
                 broadcast(player_json());
               },
           .on_trouble =
-              [this](const std::string& text) {
-                pipeline::say_warning(say_, text);
+              [this](const std::exception& error) {
+                std::string text = error.what();
+                // The builder may have left the GPU already; then its body is on the way.
+                const bool leaves_gpu = dynamic_cast<const gpu::DeviceError*>(&error) != nullptr &&
+                                        options_.device.kind == pipeline::DeviceRequest::Kind::automatic;
+                if (!leaves_gpu) pipeline::say_warning(say_, text);
                 const std::lock_guard lock(mutex_);
+                if (leaves_gpu) {
+                  gpu_error_ = text;
+                  text += "; the CPU takes over";
+                  resumes_ = resumes_ || player_->state().mode == PlayerMode::playing;
+                  builder_wakes_.notify_all();
+                }
                 if (hand_of_)
                   player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
                 let_go();
@@ -250,7 +247,7 @@ void Session::send_start(PageId page) {
              {"name", name_},
              {"source", source_},
              {"folder", options_.folder.string()},
-             {"device", device_ ? device_->text() : std::string()},
+             {"device", devices_.empty() ? std::string() : devices_.back().text()},
              {"can_touch", is_live_},
              {"restored", !restored_.empty()}};
   if (!is_live_)

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -31,6 +32,9 @@
 #include "host/studio/workshop.h"
 
 namespace fascicle::studio {
+
+// Why a studio that chose the GPU by itself uses the CPU.
+inline constexpr const char* gpu_failed = "the GPU failed";
 
 struct SessionOptions {
   std::filesystem::path folder;  // where scenes and bakes are saved
@@ -126,6 +130,9 @@ class Session {
   void step_in_history(bool is_undo);
   void keep_old_session(const std::string& why);
   void build_on();
+  std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision);
+  bool may_leave_gpu() const;
+  void leave_gpu(const std::string& error, const std::string& why);
   void build(std::uint32_t revision, const std::string& text, const Paints& paints);
   Publication prepare(const std::shared_ptr<RunningBody>& body);
   void publish(const Publication& publication);
@@ -173,7 +180,9 @@ class Session {
   Paints base_paints_;
   bool is_live_ = false;
   std::optional<bake::FolderLock> lock_;
-  std::optional<pipeline::ChosenDevice> device_;
+  // The last one makes new bodies. Bodies refer to theirs, also after it has failed. Grows on the builder's
+  // thread only, under the mutex.
+  std::list<pipeline::ChosenDevice> devices_;
   std::unique_ptr<Workshop> workshop_;  // the builder's thread only, after the constructor
   BodyLooks looks_;
   std::filesystem::path looks_of_;  // the file they were read from
@@ -197,6 +206,8 @@ class Session {
   Paints running_paints_;                   // likewise
   std::vector<PaintPlace> places_;          // can be painted on
   std::optional<Stroke> stroke_;
+  std::string gpu_error_;     // why the player's GPU failed; empty once the builder has seen it
+  bool resumes_ = false;      // a failed GPU interrupted playback
   bool bakes_ = false;        // a bake is waiting or running
   bool builds_anew_ = false;  // the builder's current work needs a new body
   std::vector<Pending> pending_;

@@ -177,6 +177,8 @@ void Session::bake(const Command& command) {
   request.output.formats = command.formats;
   request.output.overwrite = command.overwrite;
   request.devices = {options_.device};
+  if (options_.device.kind == pipeline::DeviceRequest::Kind::automatic)
+    request.devices.push_back({.kind = pipeline::DeviceRequest::Kind::cpu});
   request.threads = options_.threads;
   request.build = options_.build;
   request.build.is_cancelled = [this] { return stops_ || stops_bake_; };

@@ -127,8 +127,15 @@ void Session::build_on() {
     Paints paints;
     {
       std::unique_lock lock(mutex_);
-      builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_; });
+      builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_ || !gpu_error_.empty(); });
       if (stops_) return;
+      if (const std::string error = std::exchange(gpu_error_, {}); !error.empty()) {
+        lock.unlock();
+        const bool leaves = may_leave_gpu();
+        if (leaves) leave_gpu(error, gpu_failed);
+        lock.lock();
+        if (!leaves && revision_ == built_) continue;
+      }
       revision = built_ = revision_;
       text = history_->text();
       paints = history_->paints();
@@ -142,9 +149,42 @@ void Session::build_on() {
   }
 }
 
+std::shared_ptr<RunningBody> Session::make(const std::string& text, const Paints& paints,
+                                           std::uint32_t revision) {
+  try {
+    return workshop_->make(text, paints, revision, say_);
+  } catch (const pipeline::NoSuchDevice& error) {
+    if (!may_leave_gpu()) throw;
+    leave_gpu(error.what(), "the model does not fit the GPU");
+  } catch (const gpu::DeviceError& error) {
+    if (!may_leave_gpu()) throw;
+    leave_gpu(error.what(), gpu_failed);
+  }
+  return workshop_->make(text, paints, revision, say_);
+}
+
+// Any thread.
+bool Session::may_leave_gpu() const {
+  const std::lock_guard lock(mutex_);
+  return options_.device.kind == pipeline::DeviceRequest::Kind::automatic && devices_.back().gpu() != nullptr;
+}
+
+// From now on, bodies are made for the CPU.
+void Session::leave_gpu(const std::string& error, const std::string& why) {
+  pipeline::say_warning(say_, devices_.back().label() + ": " + error + "; the CPU takes over");
+  pipeline::ChosenDevice cpu = pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, why);
+  {
+    const std::lock_guard lock(mutex_);
+    devices_.push_back(std::move(cpu));
+    broadcast({{"type", "device"}, {"device", devices_.back().text()}});
+  }
+  workshop_ = std::make_unique<Workshop>(TextSource{name_, source_, source_folder_, converter_},
+                                         options_.build, devices_.back());
+}
+
 void Session::build(std::uint32_t revision, const std::string& text, const Paints& paints) {
   try {
-    Publication made = prepare(workshop_->make(text, paints, revision, say_));
+    Publication made = prepare(make(text, paints, revision));
     made.text = text;
     made.paints = paints;
     prepared_ = made;
@@ -155,6 +195,7 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
     }
     player_->post_needed([this](Motion& motion) {
       std::optional<Publication> next;
+      bool resumes = false;
       {
         const std::lock_guard lock(mutex_);
         next.swap(next_);
@@ -167,8 +208,10 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
         const std::lock_guard lock(mutex_);
         publish(*next);
         if (live.hand() == nullptr) let_go();
+        resumes = std::exchange(resumes_, false);
       }
       player_->show(frame);
+      if (resumes) player_->play();
       player_->hurry();
     });
   } catch (const build::Cancelled&) {

@@ -82,6 +82,10 @@ bool Program::is_running() {
   return !ended_;
 }
 
+std::string Program::printed() const {
+  return read_text(folder_ / "out");
+}
+
 Outcome Program::wait() {
   while (!ended_)
     if (::waitpid(process_, &raw_status_, 0) == process_)

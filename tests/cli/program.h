@@ -42,6 +42,8 @@ class Program {
 
   void send(int signal) const;
   bool is_running();
+  // What it has printed so far.
+  std::string printed() const;
   Outcome wait();
 
  private:

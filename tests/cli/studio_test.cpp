@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -12,6 +14,7 @@
 #include <unistd.h>
 
 #include "tests/cli/program.h"
+#include "tests/studio/client.h"
 
 namespace fascicle::tests {
 namespace {
@@ -130,8 +133,17 @@ TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "-o", "/proc/nowhere"}).status, 3);
 }
 
-// `auto` takes no software device, so this one claims to be a GPU. It is lost at one call after another, of
-// which the first ones come before the page opens.
+// `auto` takes no software device, so this one claims to be a GPU. It is lost at the given call.
+std::vector<std::string> lost_at(int call, const std::string& cache) {
+  return {"VK_INSTANCE_LAYERS=VK_LAYER_FASCICLE_faults",
+          "VK_LAYER_PATH=" FASCICLE_FAULT_LAYER_FOLDER,
+          "NODEVICE_SELECT=1",
+          "FASCICLE_FAULT_DISCRETE=1",
+          "FASCICLE_CACHE_DIR=" + cache,
+          "FASCICLE_FAULT=" + std::to_string(call) + " -4"};
+}
+
+// At one call after another, of which the first ones come before the page opens.
 TEST(StudioProgram, OpensWithTheCpuIfTheGpuFails) {
   NEEDS_VULKAN();
   long told = 0;
@@ -141,9 +153,7 @@ TEST(StudioProgram, OpensWithTheCpuIfTheGpuFails) {
     const std::uint16_t port = free_port();
     Program program(
         {"studio", "bar-hang-along", "--headless", "--port", std::to_string(port), "-o", folder / "session"},
-        {"VK_INSTANCE_LAYERS=VK_LAYER_FASCICLE_faults", "VK_LAYER_PATH=" FASCICLE_FAULT_LAYER_FOLDER,
-         "NODEVICE_SELECT=1", "FASCICLE_FAULT_DISCRETE=1", "FASCICLE_CACHE_DIR=" + folder / "cache",
-         "FASCICLE_FAULT=" + std::to_string(call) + " -4"});
+        lost_at(call, folder / "cache"));
     wait_until_open(port, program);
     program.send(SIGTERM);
     const Outcome outcome = program.wait();
@@ -151,6 +161,92 @@ TEST(StudioProgram, OpensWithTheCpuIfTheGpuFails) {
     told += contains(outcome.err, "; the CPU takes over") ? 1 : 0;
   }
   EXPECT_GT(told, 0);
+}
+
+// A page of a studio whose GPU is lost while it is open.
+class LostGpu : public testing::Test {
+ protected:
+  void open(int call) {
+    const std::uint16_t port = free_port();
+    program_ =
+        std::make_unique<Program>(std::vector<std::string>{"studio", "bar-hang-along", "--headless", "--port",
+                                                           std::to_string(port), "-o", folder_ / "session"},
+                                  lost_at(call, folder_ / "cache"));
+    wait_until_open(port, *program_);
+    std::string address;
+    wait_until(*program_, [&] {
+      address = program_->printed();
+      return address.ends_with('\n');
+    });
+    const std::string token = address.substr(address.find('#') + 1);
+    page_ = std::make_unique<Client>(port, token.substr(0, token.size() - 1));
+    EXPECT_TRUE(contains(page_->wait_for("hello").at("device"), "vulkan:0, "));
+  }
+  void is_with_cpu() {
+    const std::string device = page_->wait_for("device").at("device");
+    EXPECT_TRUE(device.starts_with("cpu, ") && contains(device, "the GPU failed")) << device;
+  }
+  // The whole clip has the bits of a bake, so the body is the one that the page has asked for.
+  void records_what_is_baked(const std::string& beta) {
+    page_->say({{"type", "record"}});
+    const Json recorded = page_->wait_for("recorded");
+    const Outcome baked = fascicle({"bake", "bar-hang-along", "-o", folder_ / "bake", "--device", "cpu", "-q",
+                                    "--set", "layers.body.beta=" + beta, "--set", "scene.end=0.5"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    const Json manifest = Json::parse(read_text(folder_ / "bake/manifest.json"));
+    EXPECT_EQ(recorded.at("position_hash"), manifest.at("position_hashes").back());
+  }
+  void end() {
+    program_->send(SIGTERM);
+    const Outcome outcome = program_->wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "vulkan:0: ") && contains(outcome.err, "; the CPU takes over"))
+        << outcome.err;
+  }
+
+  const TemporaryFolder folder_;
+  std::unique_ptr<Program> program_;
+  std::unique_ptr<Client> page_;
+};
+
+TEST_F(LostGpu, TheCpuPlaysOn) {
+  NEEDS_VULKAN();
+  open(700);
+  is_with_cpu();
+  // Playback was interrupted.
+  while (page_->wait_for("player").at("state") != "playing") {
+  }
+  for (int k = 0; k < 10; ++k) page_->wait_for_frame([](const std::string& bytes) { return bytes[0] == 1; });
+  page_->say({{"type", "set"}, {"changes", {{"scene.end", 0.5}}}});
+  page_->wait_for("applied");
+  records_what_is_baked("1");
+  end();
+}
+
+TEST_F(LostGpu, TheCpuTakesTheChangeThatMetTheLoss) {
+  NEEDS_VULKAN();
+  open(900);
+  page_->say({{"type", "pause"}});
+  page_->say({{"type", "set"}, {"changes", {{"scene.end", 0.5}}}});
+  // Every change makes a solver, until one of them meets the loss.
+  std::string beta;
+  bool has_cpu = false;
+  for (int k = 1; k <= 40 && !has_cpu; ++k) {
+    beta = k % 2 == 0 ? "0.5" : "0.7";
+    page_->say({{"type", "set"}, {"changes", {{"layers.body.beta", std::stod(beta)}}}});
+    for (;;) {
+      const auto message = page_->next();
+      ASSERT_TRUE(message) << k;
+      if (!message->is_text) continue;
+      const Json said = Json::parse(message->bytes);
+      EXPECT_NE(said.value("what", ""), "change") << said;
+      has_cpu = has_cpu || said.at("type") == "device";
+      if (said.at("type") == "applied") break;
+    }
+  }
+  EXPECT_TRUE(has_cpu);
+  records_what_is_baked(beta);
+  end();
 }
 
 }  // namespace

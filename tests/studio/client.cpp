@@ -103,8 +103,8 @@ Json Client::wait_for(const std::string& type, std::chrono::milliseconds patienc
     const std::optional<Message> message = next(patience);
     if (!message) break;
     if (!message->is_text) continue;
-    Json json = Json::parse(message->bytes);
-    if (json.at("type") == type) return json;
+    Json said = Json::parse(message->bytes);
+    if (said.at("type") == type) return said;
   }
   ADD_FAILURE() << "no message \"" << type << "\" came"
                 << (is_closed() ? "; the server closed: " + close_reason() : "");

@@ -14,7 +14,7 @@ import { Hand } from "./hand";
 import { list_presets, list_warnings } from "./lists";
 import { Look } from "./look";
 import { LookLoader } from "./looks";
-import { fail, Notices, show_hello, show_history } from "./notices";
+import { fail, Notices, show_device, show_hello, show_history } from "./notices";
 import { Painter } from "./paint";
 import { Picture } from "./picture";
 import type { BesideMessage, BodyMessage, ClipMessage, Hello, SceneWarning, ServerMessage } from "./protocol";
@@ -147,6 +147,8 @@ class Studio {
     switch (message.type) {
       case "hello":
         return this.greet(message);
+      case "device":
+        return show_device(message.device);
       case "body":
         this.body = message;
         this.picture.most_lag = 0;

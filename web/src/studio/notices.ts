@@ -38,11 +38,15 @@ export function fail(text: string): void {
   document.documentElement.dataset.state = "failed";
 }
 
+export function show_device(device: string): void {
+  element("subtitle").textContent = device;
+}
+
 // Shows the scene's name, and enables the controls that apply to it.
 export function show_hello(hello: Hello): void {
   element("title").textContent = hello.name;
   document.title = `${hello.name} – fascicle studio`;
-  element("subtitle").textContent = hello.device;
+  show_device(hello.device);
   const note = element("why-not");
   note.hidden = hello.can_touch;
   note.textContent = hello.why_not ?? "";

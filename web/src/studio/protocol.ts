@@ -161,6 +161,7 @@ export type ServerMessage =
   | { type: "ready" }
   | { type: "changed"; revision: number; changes: Record<string, KeyValue>; effect: string; message: string }
   | { type: "applied"; revision: number; effect: string; seconds: number; sequence: number }
+  | { type: "device"; device: string }
   | { type: "failed"; what: "change" | "motion" | "bake" | "beside"; error: string }
   | { type: "hand"; is_held: boolean; vertices: number; force: [number, number, number] }
   | { type: "recorded"; frames: number; position_hash: string; seconds: number }
