@@ -1,13 +1,15 @@
 // fascicle report: a self-contained page about a bake.
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -64,13 +66,17 @@ Json whole_manifest(const fs::path& folder) {
 
 // The frame that a warning names, as in "frame 40: ...".
 std::optional<std::uint64_t> frame_in(const std::string& warning, std::uint64_t count) {
-  static const std::regex named("\\bframe ([0-9]{1,9})\\b");
-  std::smatch found;
-  // A longer text is not a sentence, and would take the pattern too long.
-  const std::string beginning = warning.substr(0, 400);
-  if (!std::regex_search(beginning, found, named)) return std::nullopt;
-  const std::uint64_t frame = std::stoull(found[1]);
-  return frame < count ? std::optional(frame) : std::nullopt;
+  constexpr std::string_view word = "frame ";
+  const auto is_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  for (std::size_t at = warning.find(word); at != std::string::npos; at = warning.find(word, at + 1)) {
+    if (at > 0 && is_of_word(warning[at - 1])) continue;
+    const char *digits = warning.data() + at + word.size(), *last = warning.data() + warning.size();
+    std::uint64_t frame = 0;
+    const auto [end, error] = std::from_chars(digits, last, frame);
+    if (error != std::errc() || (end != last && is_of_word(*end))) continue;
+    return frame < count ? std::optional(frame) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 void choose_frames(Report& report) {

@@ -211,13 +211,16 @@ TEST_F(ReportPage, ShowsTheBodyBesideSkinning) {
 
 TEST_F(ReportPage, WarningsHaveTheirFrame) {
   change_manifest(
-      {{"warnings", {"look: frame 1: something is wrong at joint \"hand\"", "frame 99999 is not there"}}});
+      {{"warnings",
+        {"look: frame 1: something is wrong at joint \"hand\"", "frame 99999 is not there",
+         "the subframe 1 and frame 1st are none", "frame 99999999999999999999999 is none either"}}});
   const pugi::xml_document page = good_page();
   const pugi::xpath_node_set notes = page.select_nodes("//section[@id='warnings']/ul/li");
-  ASSERT_EQ(notes.size(), 2u);
+  ASSERT_EQ(notes.size(), 4u);
   EXPECT_EQ(notes[0].node().select_nodes(".//img").size(), 2u);
   EXPECT_TRUE(contains(text_of(notes[0].node()), "Frame 1,"));
-  EXPECT_EQ(notes[1].node().select_nodes(".//img").size(), 0u);
+  for (std::size_t k = 1; k < notes.size(); ++k)
+    EXPECT_EQ(notes[k].node().select_nodes(".//img").size(), 0u) << k;
 }
 
 // Any text in the folder may be hostile.
