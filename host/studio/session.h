@@ -106,9 +106,6 @@ class Session {
 
   // session.cpp
   PlayerEvents player_events();
-  void obey(PageId page, const Command& command);
-  void obey_player(const Command& command);
-  void obey_hand(PageId page, const Command& command);
   void must_be_live() const;
   void let_go();
   void send(PageId page, const Json& json);
@@ -120,6 +117,11 @@ class Session {
   Json keys_message() const;
   Json presets_message() const;
   void answer_done(PageId page, const Command& command, const std::string& message = "");
+
+  // session_commands.cpp
+  void obey(PageId page, const Command& command);
+  void obey_player(const Command& command);
+  void obey_hand(PageId page, const Command& command);
 
   // session_changes.cpp
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
