@@ -163,7 +163,7 @@ float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const
 
 ShadowMap::Seen ShadowMap::seen_of_patch(const std::array<Vector3f, 4>& corners,
                                          const Vector3f& normal) const {
-  // Covers the rounding of places: 1e-7 of a map's 1536 texels at most, and of the distance to a far floor.
+  // More than the rounding of places, which is 1e-7 of the distance in texels.
   constexpr float margin = 0.25f;  // texels
   Eigen::AlignedBox3f box;
   for (const Vector3f& corner : corners) {

@@ -56,8 +56,8 @@ class ShadowMap {
   float scale_ = 1.0f, texel_ = 1.0f;  // texels per metre, metres per texel
   int size_ = 1;
   std::vector<float> height_;  // height towards the lamp of the surface nearest to it
-  std::vector<Heights>
-      blocks_;  // each of a square of 2^block_bits texels and the next row and column after it
+  // Each of a square of 2^block_bits texels and of the next row and column after it.
+  std::vector<Heights> blocks_;
   std::size_t blocks_in_row_ = 1;
 };
 

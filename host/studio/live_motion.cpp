@@ -49,7 +49,16 @@ void LiveMotion::show_state(const model::State& state) {
 }
 
 void LiveMotion::load(const model::State& state, std::uint64_t frame) {
-  solver().load(state);
+  try {
+    solver().load(state);
+  } catch (const gpu::DeviceError&) {
+    has_failed_ = true;
+    throw;
+  }
+  begin_at(state, frame);
+}
+
+void LiveMotion::begin_at(const model::State& state, std::uint64_t frame) {
   frame_ = frame;
   show_state(state);
   // Keep every frame's state, or fewer if that takes too much memory.
@@ -70,8 +79,13 @@ void LiveMotion::step_to(std::uint64_t frame) {
     drive.forces = forces;
   }
   const auto start = std::chrono::steady_clock::now();
-  solver().submit(drive, what_is_shown);
-  now_ = solver().collect();
+  try {
+    solver().submit(drive, what_is_shown);
+    now_ = solver().collect();
+  } catch (const gpu::DeviceError&) {
+    has_failed_ = true;
+    throw;
+  }
   seconds_ = static_cast<float>(seconds_since(start));
   frame_ = frame;
   now_.index = frame;
@@ -146,27 +160,34 @@ ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
   return shown(frame_begins);
 }
 
+model::State LiveMotion::state_for(RunningBody& next, std::uint64_t frame) {
+  if (!has_failed_) try {
+      return carried_over(solver().save(), *body_, next, frame);
+    } catch (const gpu::DeviceError&) {
+    }
+  const auto kept = kept_.find(frame_);
+  return kept == kept_.end() ? next.state_on_skeleton(frame)
+                             : carried_over(kept->second, *body_, next, frame);
+}
+
 ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
   const std::uint64_t frame = std::min(frame_, body->frames());
-  const model::State next = [&] {
-    try {
-      return carried_over(solver().save(), *body_, *body, frame);
-    } catch (const gpu::DeviceError&) {
-      // The device is lost, and the state with it, unless it was kept.
-      const auto kept = kept_.find(frame_);
-      return kept == kept_.end() ? body->state_on_skeleton(frame)
-                                 : carried_over(kept->second, *body_, *body, frame);
-    }
-  }();
+  const model::State next = state_for(*body, frame);
   // Do everything that may throw before changing any member.
   std::unique_ptr<HeldSolver> held;
-  if (hand_ && has_same_shape(body_->model(), body->model())) held = hold(*body, hand_->held());
+  if (hand_ && has_same_shape(body_->model(), body->model())) try {
+      held = hold(*body, hand_->held());
+    } catch (const pipeline::NoSuchDevice&) {
+    }
+  (held ? *held->solver : body->solver()).load(next);
+  FrameMeasures measures(body->model());
   held_ = std::move(held);
   if (!held_) hand_.reset();
   body_ = std::move(body);
-  measures_ = FrameMeasures(body_->model());
+  measures_ = std::move(measures);
+  has_failed_ = false;
   kept_.clear();
-  load(next, frame);
+  begin_at(next, frame);
   return shown(frame_begins);
 }
 
@@ -197,7 +218,12 @@ void LiveMotion::release() {
   // Lets go even if the device fails.
   const std::unique_ptr<HeldSolver> held = std::move(held_);
   hand_.reset();
-  if (held) body_->solver().load(held->solver->save());
+  if (held) try {
+      body_->solver().load(held->solver->save());
+    } catch (const gpu::DeviceError&) {
+      has_failed_ = true;
+      throw;
+    }
 }
 
 Recording LiveMotion::record(const std::function<bool()>& stop,

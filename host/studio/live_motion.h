@@ -39,7 +39,9 @@ class LiveMotion final : public Motion {
   std::vector<scene::Solid> solids() override { return body_->solids(frame_); }
 
   RunningBody& body() { return *body_; }
-  // Continues with another body, carrying the state over. Also if this body's device has failed.
+  // Continues with another body, carrying the state over. If this body's device has failed, from the state
+  // that was kept of this frame, or else on the skeleton. Lets go of the flesh if the device has no memory
+  // for the hand's solver.
   ShownFrame take(std::shared_ptr<RunningBody> body);
 
   // Returns the number of vertices that the hand holds; 0 if all flesh there is kinematic. `vertex`: of the
@@ -62,6 +64,8 @@ class LiveMotion final : public Motion {
 
   model::Solver& solver() { return held_ ? *held_->solver : body_->solver(); }
   void load(const model::State& state, std::uint64_t frame);
+  void begin_at(const model::State& state, std::uint64_t frame);
+  model::State state_for(RunningBody& next, std::uint64_t frame);
   void load_led(model::State state);
   void step_to(std::uint64_t frame);
   void keep_state();
@@ -80,6 +84,7 @@ class LiveMotion final : public Motion {
 
   std::unique_ptr<HeldSolver> held_;
   std::optional<Hand> hand_;
+  bool has_failed_ = false;  // the device did, so the solver's state is undefined
 };
 
 }  // namespace fascicle::studio

@@ -27,6 +27,7 @@ class RunningBody {
   const scene::Scene& scene() const { return scene_; }
   const model::Model& model() const { return built_.model; }
   const pipeline::Built& built() const { return built_; }
+  const pipeline::ChosenDevice& device() const { return device_; }
   std::uint32_t revision() const { return revision_; }  // of the keys that it was made from
   std::uint64_t frames() const { return frames_; }      // number of the last frame
   double frame_time(std::uint64_t frame) const;         // s of the clip

@@ -74,7 +74,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   } catch (const gpu::DeviceError& error) {
     if (!may_leave_gpu()) throw;
     motion.reset();
-    leave_gpu(error.what(), gpu_failed);
+    leave_gpu(devices_.back().label() + ": " + error.what(), gpu_failed);
     make_first();
   }
   if (!options_.beside.empty())
@@ -90,8 +90,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
     autosaved_ = std::time(nullptr);
     broadcast(history_json());
   });
-  player_ = std::make_unique<Player>(std::move(motion), player_events());
-  player_->watch(false);
+  start_player(std::move(motion));
   builder_ = std::thread([this] { build_on(); });
 }
 
@@ -141,7 +140,13 @@ Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem:
   if (!without_scene.empty()) warnings.push_back({without_scene, {}});
   for (const std::string& text : open->manifest().warnings) warnings.push_back({text, {}});
   warnings_message_ = {{"type", "warnings"}, {"list", warnings_json(model, warnings)}};
-  player_ = std::make_unique<Player>(std::make_unique<BakedMotion>(std::move(open), bake), player_events());
+  start_player(std::make_unique<BakedMotion>(std::move(open), bake));
+}
+
+void Session::start_player(std::unique_ptr<Motion> motion) {
+  // Its first event may need the player.
+  const std::lock_guard lock(mutex_);
+  player_ = std::make_unique<Player>(std::move(motion), player_events());
   player_->watch(false);
 }
 
@@ -155,20 +160,23 @@ PlayerEvents Session::player_events() {
           .on_trouble =
               [this](const std::exception& error) {
                 std::string text = error.what();
-                // The builder may have left the GPU already; then its body is on the way.
                 const bool leaves_gpu = dynamic_cast<const gpu::DeviceError*>(&error) != nullptr &&
                                         options_.device.kind == pipeline::DeviceRequest::Kind::automatic;
                 if (!leaves_gpu) pipeline::say_warning(say_, text);
                 const std::lock_guard lock(mutex_);
+                const bool is_told = leaves_gpu && awaits_cpu_;
                 if (leaves_gpu) {
                   gpu_error_ = text;
                   text += "; the CPU takes over";
+                  awaits_cpu_ = true;
                   resumes_ = resumes_ || player_->state().mode == PlayerMode::playing;
+                  player_message_ = gpu_left;
                   builder_wakes_.notify_all();
                 }
                 if (hand_of_)
                   player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
                 let_go();
+                if (is_told) return;
                 broadcast({{"type", "failed"}, {"what", "motion"}, {"error", text}});
               }};
 }

@@ -35,6 +35,8 @@ namespace fascicle::studio {
 
 // Why a studio that chose the GPU by itself uses the CPU.
 inline constexpr const char* gpu_failed = "the GPU failed";
+// What pages show until the body for the CPU is there.
+inline constexpr const char* gpu_left = "Moving to the CPU";
 
 struct SessionOptions {
   std::filesystem::path folder;  // where scenes and bakes are saved
@@ -106,6 +108,7 @@ class Session {
 
   // session.cpp
   PlayerEvents player_events();
+  void start_player(std::unique_ptr<Motion> motion);
   void must_be_live() const;
   void let_go();
   void send(PageId page, const Json& json);
@@ -134,8 +137,18 @@ class Session {
   void build_on();
   std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision);
   bool may_leave_gpu() const;
-  void leave_gpu(const std::string& error, const std::string& why);
-  void build(std::uint32_t revision, const std::string& text, const Paints& paints);
+  void leave_gpu(const std::string& problem, const std::string& why);
+  // A text to build.
+  struct Order {
+    std::uint32_t revision = 0;
+    std::string text;
+    Paints paints;
+    bool is_edit = false;   // else the body on show, for another device
+    std::string gpu_error;  // why the GPU is to be left; empty: it is not
+  };
+  void build(const Order& order);
+  bool is_left_on_gpu() const;
+  bool end_of_takeover();
   Publication prepare(const std::shared_ptr<RunningBody>& body);
   void publish(const Publication& publication);
   void tell_applied(const FrameNumbers& numbers);
@@ -209,7 +222,8 @@ class Session {
   std::vector<PaintPlace> places_;          // can be painted on
   std::optional<Stroke> stroke_;
   std::string gpu_error_;     // why the player's GPU failed; empty once the builder has seen it
-  bool resumes_ = false;      // a failed GPU interrupted playback
+  bool awaits_cpu_ = false;   // the GPU failed, and pages know it; the body for the CPU is still to come
+  bool resumes_ = false;      // playback was interrupted by that
   bool bakes_ = false;        // a bake is waiting or running
   bool builds_anew_ = false;  // the builder's current work needs a new body
   std::vector<Pending> pending_;

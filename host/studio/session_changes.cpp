@@ -122,28 +122,22 @@ void Session::build_on() {
   }
   say_on_top("", getting_ready);
   for (;;) {
-    std::uint32_t revision = 0;
-    std::string text;
-    Paints paints;
+    Order order;
     {
       std::unique_lock lock(mutex_);
       builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_ || !gpu_error_.empty(); });
       if (stops_) return;
-      if (const std::string error = std::exchange(gpu_error_, {}); !error.empty()) {
-        lock.unlock();
-        const bool leaves = may_leave_gpu();
-        if (leaves) leave_gpu(error, gpu_failed);
-        lock.lock();
-        if (!leaves && revision_ == built_) continue;
-      }
-      revision = built_ = revision_;
-      text = history_->text();
-      paints = history_->paints();
+      order = {.revision = revision_,
+               .text = history_->text(),
+               .paints = history_->paints(),
+               .is_edit = revision_ != built_,
+               .gpu_error = std::exchange(gpu_error_, {})};
+      built_ = revision_;
       builds_anew_ =
           std::any_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.is_rebuild; });
       stops_build_ = false;
     }
-    build(revision, text, paints);
+    build(order);
     const std::lock_guard lock(mutex_);
     builds_anew_ = false;
   }
@@ -158,35 +152,41 @@ std::shared_ptr<RunningBody> Session::make(const std::string& text, const Paints
     leave_gpu(error.what(), "the model does not fit the GPU");
   } catch (const gpu::DeviceError& error) {
     if (!may_leave_gpu()) throw;
-    leave_gpu(error.what(), gpu_failed);
+    leave_gpu(devices_.back().label() + ": " + error.what(), gpu_failed);
   }
   return workshop_->make(text, paints, revision, say_);
 }
 
-// Any thread.
 bool Session::may_leave_gpu() const {
-  const std::lock_guard lock(mutex_);
   return options_.device.kind == pipeline::DeviceRequest::Kind::automatic && devices_.back().gpu() != nullptr;
 }
 
-// From now on, bodies are made for the CPU.
-void Session::leave_gpu(const std::string& error, const std::string& why) {
-  pipeline::say_warning(say_, devices_.back().label() + ": " + error + "; the CPU takes over");
+// From now on, bodies are made for the CPU. On the builder's thread, or before it starts.
+void Session::leave_gpu(const std::string& problem, const std::string& why) {
+  pipeline::say_warning(say_, problem + "; the CPU takes over");
   pipeline::ChosenDevice cpu = pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, why);
   {
     const std::lock_guard lock(mutex_);
     devices_.push_back(std::move(cpu));
     broadcast({{"type", "device"}, {"device", devices_.back().text()}});
   }
-  workshop_ = std::make_unique<Workshop>(TextSource{name_, source_, source_folder_, converter_},
-                                         options_.build, devices_.back());
+  workshop_->use(devices_.back());
 }
 
-void Session::build(std::uint32_t revision, const std::string& text, const Paints& paints) {
+// Whether the newest body, on show or waiting for the player, is still on a GPU that was left.
+bool Session::is_left_on_gpu() const {
+  const std::lock_guard lock(mutex_);
+  return &(next_ ? next_->body : body_)->device() != &devices_.back();
+}
+
+void Session::build(const Order& order) {
   try {
-    Publication made = prepare(make(text, paints, revision));
-    made.text = text;
-    made.paints = paints;
+    if (!order.gpu_error.empty() && may_leave_gpu())
+      leave_gpu(devices_.back().label() + ": " + order.gpu_error, gpu_failed);
+    if (!order.is_edit && !is_left_on_gpu()) return;
+    Publication made = prepare(make(order.text, order.paints, order.revision));
+    made.text = order.text;
+    made.paints = order.paints;
     prepared_ = made;
     {
       // If several bodies wait for a busy player, only the last counts.
@@ -208,7 +208,7 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
         const std::lock_guard lock(mutex_);
         publish(*next);
         if (live.hand() == nullptr) let_go();
-        resumes = std::exchange(resumes_, false);
+        if (next->body->device().gpu() == nullptr) resumes = end_of_takeover();
       }
       player_->show(frame);
       if (resumes) player_->play();
@@ -217,8 +217,23 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
   } catch (const build::Cancelled&) {
     // A newer text is waiting, or the session ends.
   } catch (const std::exception& error) {
-    take_back(revision, error.what());
+    if (order.is_edit) take_back(order.revision, error.what());
+    const std::lock_guard lock(mutex_);
+    if (!awaits_cpu_) return;
+    // The next attempt to play tries again.
+    (void)end_of_takeover();
+    if (!order.is_edit) broadcast({{"type", "failed"}, {"what", "motion"}, {"error", error.what()}});
   }
+}
+
+// With the mutex held. Returns whether the playback that was interrupted should go on.
+bool Session::end_of_takeover() {
+  awaits_cpu_ = false;
+  if (player_message_ == gpu_left) {
+    player_message_.clear();
+    broadcast(player_json());
+  }
+  return std::exchange(resumes_, false);
 }
 
 Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) {

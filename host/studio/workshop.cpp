@@ -13,7 +13,12 @@
 namespace fascicle::studio {
 
 Workshop::Workshop(TextSource source, build::BuildOptions options, const pipeline::ChosenDevice& device)
-    : source_(std::move(source)), options_(std::move(options)), device_(device) {}
+    : source_(std::move(source)), options_(std::move(options)), device_(&device) {}
+
+void Workshop::use(const pipeline::ChosenDevice& device) {
+  device_ = &device;
+  for (KeptBody& kept : kept_) kept.solver = {};
+}
 
 scene::Scene Workshop::read(const std::string& text, const scene::SceneOverrides& more) {
   scene::SceneOverrides overrides = more;
@@ -40,7 +45,7 @@ std::shared_ptr<RunningBody> Workshop::make(const std::string& text, const Paint
   last_text_ = text;
   kept.bytes = model::solver_bytes(built.model);
   auto body =
-      std::make_shared<RunningBody>(std::move(scene), std::move(built), device_, revision, kept.solver);
+      std::make_shared<RunningBody>(std::move(scene), std::move(built), *device_, revision, kept.solver);
   kept.solver = body->memory();
   drop_oldest();
   return body;

@@ -35,11 +35,13 @@ class Workshop {
   static constexpr std::size_t most_bodies = 6;
   static constexpr std::uint64_t most_solver_bytes = std::uint64_t{256} << 20;
 
-  // The device must outlive all bodies.
+  // The device must outlive its bodies.
   Workshop(TextSource source, build::BuildOptions options, const pipeline::ChosenDevice& device);
 
+  // From now on, bodies are for this device, which must outlive them.
+  void use(const pipeline::ChosenDevice& device);
   // `paints` replace the files that their keys name. Throws scene::SceneError, build::Cancelled,
-  // pipeline::NoSuchDevice.
+  // pipeline::NoSuchDevice, gpu::DeviceLost.
   std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision,
                                     const pipeline::Say& say);
   // The meshes to paint on: those of the last text's scene without its paint files. Empty if it has no
@@ -64,7 +66,7 @@ class Workshop {
 
   TextSource source_;
   build::BuildOptions options_;
-  const pipeline::ChosenDevice& device_;
+  const pipeline::ChosenDevice* device_;
   scene::LoadedFiles files_;
   std::list<KeptBody> kept_;  // newest first
   std::string last_text_;

@@ -54,6 +54,28 @@ TEST(ShadowMap, SphereDoesNotShadeItsLitSide) {
   }
 }
 
+// A lamp above a map of one texel a metre, whose texel (i, j) has a plate above it: only points around its
+// centre are in shadow, by their share of the texel, wherever it lies in the blocks of texels that the map
+// groups.
+TEST(ShadowMap, OneTexelShadesWhatIsNextToIt) {
+  const unsigned size = 32;
+  const float half = 0.5f * size;
+  // The map's axes for a lamp above: columns along -z, rows along -x.
+  const auto place = [&](float column, float row, float height) {
+    return Vector3f(half - row - 0.5f, height, half - column - 0.5f);
+  };
+  for (const float i : {1.0f, 7.0f, 8.0f, 9.0f, 15.0f, 16.0f, 23.0f})
+    for (const float j : {1.0f, 7.0f, 8.0f, 9.0f, 15.0f, 16.0f, 23.0f}) {
+      const std::vector<render::Shape> shapes{square(place(i, j, 5.0f), {0.6f, 0, 0}, {0, 0, -0.6f}, white)};
+      const render::ShadowMap map(shapes, Vector3f::UnitY(), Vector3f::Zero(), half, size);
+      for (const float u : {-1.0f, -0.75f, -0.5f, 0.0f, 0.5f, 0.75f, 1.0f})
+        for (const float v : {-1.0f, -0.75f, -0.5f, 0.0f, 0.5f, 0.75f, 1.0f})
+          EXPECT_NEAR(map.visibility(place(i + u, j + v, 0.0f), Vector3f::UnitY()),
+                      1.0f - (1.0f - std::fabs(u)) * (1.0f - std::fabs(v)), 1e-5f)  // float rounding
+              << i << " " << j << " " << u << " " << v;
+    }
+}
+
 // What is said of a patch of the floor holds at each of its points, and the sum over the lamps is the same.
 TEST(ShadowMap, WhatIsSaidOfAPatchHoldsAtItsPoints) {
   const std::vector<render::Shape> shapes{sphere({0, 1, 0}, 0.6f, white),
