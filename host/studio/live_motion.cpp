@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "gpu/device.h"
 #include "host/bake/finite.h"
 #include "host/drive/lead_in.h"
 #include "host/formats/surface.h"
@@ -49,12 +48,8 @@ void LiveMotion::show_state(const model::State& state) {
 }
 
 void LiveMotion::load(const model::State& state, std::uint64_t frame) {
-  try {
-    solver().load(state);
-  } catch (const gpu::DeviceError&) {
-    has_failed_ = true;
-    throw;
-  }
+  with_device([&] { solver().load(state); });
+  has_failed_ = false;
   begin_at(state, frame);
 }
 
@@ -79,13 +74,10 @@ void LiveMotion::step_to(std::uint64_t frame) {
     drive.forces = forces;
   }
   const auto start = std::chrono::steady_clock::now();
-  try {
+  with_device([&] {
     solver().submit(drive, what_is_shown);
     now_ = solver().collect();
-  } catch (const gpu::DeviceError&) {
-    has_failed_ = true;
-    throw;
-  }
+  });
   seconds_ = static_cast<float>(seconds_since(start));
   frame_ = frame;
   now_.index = frame;
@@ -119,7 +111,7 @@ ShownFrame LiveMotion::again() {
 ShownFrame LiveMotion::advance() {
   if (frames() == 0) return shown(0);
   if (frame_ >= frames()) {
-    solver().load(body_->drives().begun_again(solver().save()));
+    with_device([&] { solver().load(body_->drives().begun_again(solver().save())); });
     frame_ = 0;
   }
   step_to(frame_ + 1);
@@ -154,7 +146,8 @@ ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
   // Looped playback already runs the extra cycles that a seamless loop needs.
   scene::Scene lead = body_->scene();
   lead.motion.seamless = false;
-  drive::LeadIn led = drive::lead_in(lead, body_->model(), body_->drives(), body_->solver(), stop);
+  drive::LeadIn led = with_device(
+      [&] { return drive::lead_in(lead, body_->model(), body_->drives(), body_->solver(), stop); });
   load_led(led.stopped ? body_->drives().initial_state() : std::move(led.state));
   keep_state();
   return shown(frame_begins);
@@ -218,12 +211,7 @@ void LiveMotion::release() {
   // Lets go even if the device fails.
   const std::unique_ptr<HeldSolver> held = std::move(held_);
   hand_.reset();
-  if (held) try {
-      body_->solver().load(held->solver->save());
-    } catch (const gpu::DeviceError&) {
-      has_failed_ = true;
-      throw;
-    }
+  if (held) with_device([&] { body_->solver().load(held->solver->save()); });
 }
 
 Recording LiveMotion::record(const std::function<bool()>& stop,
@@ -232,7 +220,8 @@ Recording LiveMotion::record(const std::function<bool()>& stop,
   release();
   Recording recording;
   recording.revision = body_->revision();
-  drive::LeadIn led = drive::lead_in(body_->scene(), body_->model(), body_->drives(), body_->solver(), stop);
+  drive::LeadIn led = with_device(
+      [&] { return drive::lead_in(body_->scene(), body_->model(), body_->drives(), body_->solver(), stop); });
   recording.stopped = led.stopped;
   load_led(led.stopped ? body_->drives().initial_state() : std::move(led.state));
   const auto take_note = [&] {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "host/pipeline/device_choice.h"
 #include "host/studio/frame_measures.h"
 #include "host/studio/hand.h"
 #include "host/studio/motion.h"
@@ -85,6 +86,17 @@ class LiveMotion final : public Motion {
   std::unique_ptr<HeldSolver> held_;
   std::optional<Hand> hand_;
   bool has_failed_ = false;  // the device did, so the solver's state is undefined
+
+  // Notes failures of the device.
+  template <class Work>
+  auto with_device(Work work) {
+    try {
+      return work();
+    } catch (const gpu::DeviceError&) {
+      has_failed_ = true;
+      throw;
+    }
+  }
 };
 
 }  // namespace fascicle::studio

@@ -18,7 +18,8 @@ namespace fascicle::studio {
 
 class RunningBody {
  public:
-  // The device must outlive it. Throws pipeline::NoSuchDevice if the model does not fit the device.
+  // The device must outlive it. Throws pipeline::NoSuchDevice if the model does not fit the device, and
+  // gpu::DeviceLost.
   RunningBody(scene::Scene scene, pipeline::Built built, const pipeline::ChosenDevice& device,
               std::uint32_t revision, pipeline::SolverMemory memory = {});
   RunningBody(const RunningBody&) = delete;

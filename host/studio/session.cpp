@@ -164,13 +164,16 @@ PlayerEvents Session::player_events() {
                                         options_.device.kind == pipeline::DeviceRequest::Kind::automatic;
                 if (!leaves_gpu) pipeline::say_warning(say_, text);
                 const std::lock_guard lock(mutex_);
-                const bool is_told = leaves_gpu && awaits_cpu_;
+                const PlayerMode mode = player_->state().mode;
+                const bool is_told = leaves_gpu && awaits_cpu_ && mode != PlayerMode::recording;
                 if (leaves_gpu) {
                   gpu_error_ = text;
                   text += "; the CPU takes over";
                   awaits_cpu_ = true;
-                  resumes_ = resumes_ || player_->state().mode == PlayerMode::playing;
+                  // A page may have asked for a pause while the frame that failed was computed.
+                  resumes_ = is_to_play_ && (resumes_ || mode == PlayerMode::playing);
                   player_message_ = gpu_left;
+                  broadcast(player_json());
                   builder_wakes_.notify_all();
                 }
                 if (hand_of_)

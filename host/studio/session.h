@@ -143,7 +143,7 @@ class Session {
     std::uint32_t revision = 0;
     std::string text;
     Paints paints;
-    bool is_edit = false;   // else the body on show, for another device
+    bool is_edit = false;   // else the text on show, for another device
     std::string gpu_error;  // why the GPU is to be left; empty: it is not
   };
   void build(const Order& order);
@@ -224,6 +224,7 @@ class Session {
   std::string gpu_error_;     // why the player's GPU failed; empty once the builder has seen it
   bool awaits_cpu_ = false;   // the GPU failed, and pages know it; the body for the CPU is still to come
   bool resumes_ = false;      // playback was interrupted by that
+  bool is_to_play_ = true;    // what a page last asked for: to play, or to pause
   bool bakes_ = false;        // a bake is waiting or running
   bool builds_anew_ = false;  // the builder's current work needs a new body
   std::vector<Pending> pending_;

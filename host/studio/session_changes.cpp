@@ -195,7 +195,6 @@ void Session::build(const Order& order) {
     }
     player_->post_needed([this](Motion& motion) {
       std::optional<Publication> next;
-      bool resumes = false;
       {
         const std::lock_guard lock(mutex_);
         next.swap(next_);
@@ -208,21 +207,28 @@ void Session::build(const Order& order) {
         const std::lock_guard lock(mutex_);
         publish(*next);
         if (live.hand() == nullptr) let_go();
-        if (next->body->device().gpu() == nullptr) resumes = end_of_takeover();
+        if (next->body->device().gpu() == nullptr && end_of_takeover()) player_->play();
       }
       player_->show(frame);
-      if (resumes) player_->play();
       player_->hurry();
     });
   } catch (const build::Cancelled&) {
     // A newer text is waiting, or the session ends.
   } catch (const std::exception& error) {
-    if (order.is_edit) take_back(order.revision, error.what());
+    if (order.is_edit)
+      take_back(order.revision, error.what());
+    else
+      pipeline::say_warning(say_, error.what());
     const std::lock_guard lock(mutex_);
     if (!awaits_cpu_) return;
-    // The next attempt to play tries again.
-    (void)end_of_takeover();
-    if (!order.is_edit) broadcast({{"type", "failed"}, {"what", "motion"}, {"error", error.what()}});
+    if (order.is_edit) {
+      // The text on show is still to be built for the CPU.
+      gpu_error_ = gpu_failed;
+    } else if (revision_ == built_) {
+      // The next attempt to play tries again.
+      (void)end_of_takeover();
+      broadcast({{"type", "failed"}, {"what", "motion"}, {"error", error.what()}});
+    }
   }
 }
 
@@ -336,7 +342,7 @@ void Session::take_back(std::uint32_t revision, const std::string& error) {
   broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
   const Paints painted = history_->paints();
   history_->fall_back(next_ ? next_->text : running_text_, next_ ? next_->paints : running_paints_);
-  player_message_.clear();
+  player_message_ = awaits_cpu_ ? gpu_left : "";
   try {
     take_text(std::exchange(tables_, scene::edited_tables(history_->text(), source_)), painted, true);
   } catch (const std::exception& failure) {

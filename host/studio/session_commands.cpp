@@ -95,9 +95,10 @@ void Session::obey(PageId page, const Command& command) {
 }
 
 void Session::obey_player(const Command& command) {
-  // Newer than the playback that a failed GPU interrupted.
-  if (command.verb != Verb::speed && command.verb != Verb::loop)
-    resumes_ = command.verb == Verb::play && awaits_cpu_;
+  if (command.verb == Verb::play || command.verb == Verb::pause || command.verb == Verb::step) {
+    is_to_play_ = command.verb == Verb::play;
+    resumes_ = is_to_play_ && awaits_cpu_;
+  }
   const bool is_taken = [&] {
     switch (command.verb) {
       case Verb::play:

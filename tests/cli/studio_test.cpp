@@ -279,6 +279,21 @@ TEST_F(LostGpu, TheHandLetsGo) {
   end();
 }
 
+TEST_F(LostGpu, WhatIsPausedStaysSo) {
+  NEEDS_VULKAN();
+  open(1500);
+  page_->say({{"type", "speed"}, {"factor", 2}});
+  is_with_cpu();
+  page_->say({{"type", "pause"}});
+  change("scene.end", 0.5);
+  page_->say({{"type", "pause"}, {"id", 1}});
+  page_->wait_for("done");
+  page_->say({{"type", "loop"}, {"on", true}});
+  EXPECT_EQ(page_->wait_for("player").at("state"), "paused");
+  records_what_is_baked("1");
+  end();
+}
+
 TEST_F(LostGpu, ARecordingCanBeMadeAgain) {
   NEEDS_VULKAN();
   open(1500);
