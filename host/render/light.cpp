@@ -128,10 +128,9 @@ void ShadowMap::find_blocks() {
     const float* row = &height_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_)];
     const std::size_t first = static_cast<std::size_t>(y / side) * blocks_in_row_;
     for (int b = 0; b < in_row; ++b) {
-      const auto [least, most] =
-          std::minmax_element(row + b * side, row + std::min(size_, (b + 1) * side + 1));
+      const auto ends = std::minmax_element(row + b * side, row + std::min(size_, (b + 1) * side + 1));
       const auto widen = [&](Heights& block) {
-        block = {std::min(block.least, *least), std::max(block.most, *most)};
+        block = {std::min(block.least, *ends.first), std::max(block.most, *ends.second)};
       };
       widen(blocks_[first + static_cast<std::size_t>(b)]);
       if (y % side == 0 && y > 0) widen(blocks_[first - blocks_in_row_ + static_cast<std::size_t>(b)]);
@@ -149,7 +148,8 @@ ShadowMap::Place ShadowMap::place_of(const Vector3f& point, const Vector3f& norm
 }
 
 float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
-  const auto [x, y, height] = place_of(point, normal);
+  const Place place = place_of(point, normal);
+  const float x = place.x, y = place.y, height = place.height;
   const float limit = static_cast<float>(size_ - 2);
   if (!(x >= 0.0f && y >= 0.0f && x <= limit && y <= limit)) return 1.0f;
   const int column = static_cast<int>(x), row = static_cast<int>(y);

@@ -287,7 +287,7 @@ class Painter {
 
   // Of the floor behind the patch of a band that holds a pixel.
   PatchLight patch_light(unsigned pixel_x, unsigned pixel_y) const {
-    const double x = pixel_x / patch_columns * patch_columns, y = pixel_y / band_rows * band_rows;
+    const unsigned x = pixel_x - pixel_x % patch_columns, y = pixel_y - pixel_y % band_rows;
     std::array<Vector3f, 4> corners;
     for (std::size_t k = 0; k < 4; ++k)
       if (const auto place = floor_at(x + (k & 1 ? patch_columns : 0), y + (k & 2 ? band_rows : 0)))
