@@ -46,7 +46,7 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
       seen = "the skin at " + at + " is stretched to " + value + " times what skinning does";
       help =
           "skin that should separate there may be joined, or the flesh is too soft: try a larger "
-          "--cage-detail, or make its layer stiffer (a lower --softness)";
+          "--cage-detail if the skin is in a cage, or make its layer stiffer (a lower --softness)";
       break;
     case LookMeasure::crossing:
       seen = value + " triangles, most at " + at + ", cross others that skinning keeps apart";
@@ -77,9 +77,14 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
           "volume";
       break;
   }
-  return "look: frame " + base::number_text(frame) + ": " + seen + " (limit " +
-         base::short_text(score.limit) + "; " + base::number_text(frames_over) +
-         (frames_over == 1 ? " frame is" : " frames are") + " over); " + help;
+  // A share of the triangles or tetrahedra is the limit of a count.
+  const bool is_count = measure == LookMeasure::crossing || measure == LookMeasure::inverted;
+  const std::string limit = is_count
+                                ? base::number_text(static_cast<std::uint64_t>(std::max(0.0, score.limit)))
+                                : base::short_text(score.limit);
+  return "look: frame " + base::number_text(frame) + ": " + seen + " (limit " + limit + "; " +
+         base::number_text(frames_over) + (frames_over == 1 ? " frame is" : " frames are") + " over); " +
+         help;
 }
 
 std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,

@@ -361,6 +361,18 @@ TEST(LookReport, SaysWhatWhereAndWhen) {
   EXPECT_TRUE(contains(summary->warnings[1], "2 frames are over"));
 }
 
+TEST(LookReport, CountsHaveWholeLimits) {
+  bake::LookScore score;
+  score.value = 377;
+  score.limit = 321.99;
+  EXPECT_TRUE(contains(bake::look_warning(bake::LookMeasure::crossing, score, "thigh", 75, 9),
+                       "377 triangles, most at joint \"thigh\""));
+  EXPECT_TRUE(
+      contains(bake::look_warning(bake::LookMeasure::crossing, score, "thigh", 75, 9), "(limit 321; 9 "));
+  EXPECT_TRUE(
+      contains(bake::look_warning(bake::LookMeasure::stretch, score, "thigh", 75, 9), "(limit 321.99; 9 "));
+}
+
 TEST(LookReport, IsNothingWithoutASkeleton) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "out"), short_scene(2));
