@@ -30,7 +30,8 @@ TetMesh read_tetgen_pair(const fs::path& path) {
   node.replace_extension(upper ? ".NODE" : ".node");
   ele.replace_extension(upper ? ".ELE" : ".ele");
   for (const fs::path& each : {node, ele}) {
-    if (!fs::exists(each)) {
+    std::error_code none;
+    if (!fs::exists(each, none)) {
       throw base::SceneError(each.string() +
                              ": no such file; a TetGen mesh is a .node and an .ele file of the same name, "
                              "put both into one folder");

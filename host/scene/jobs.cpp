@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 #include "host/base/file.h"
 #include "host/rig/pose.h"
@@ -215,7 +216,8 @@ MadeJobs jobs_of(const std::string& name, const toml::table& table, const std::f
   if (job.scene.empty()) fail(table.source(), path, "lacks scene");
   if (job.name.empty())
     fail(table.source(), path, "has a name that cannot be a file name; use letters and digits");
-  if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
+  std::error_code none;
+  if (std::filesystem::is_regular_file(folder / job.scene, none)) job.scene = (folder / job.scene).string();
   if (job.formats.empty()) job.formats = of_all.formats;
 
   const std::vector<NamedClip> clips = clips_of(table, path, job);

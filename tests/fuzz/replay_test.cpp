@@ -11,6 +11,7 @@
 #include <new>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -105,10 +106,13 @@ TEST(Readers, TakeTheirSeeds) {
   EXPECT_EQ(count.size(), fuzz::readers().size()) << "a reader without a seed";
 }
 
-TEST(Readers, RefuseWhatOnceHarmedThem) {
+TEST(Readers, AreNotHarmedAgain) {
+  // These are valid; all others are refused.
+  const std::set<std::string> valid{"jobs/long-scene-name"};
   for_each(kept(), [&](const Reader& reader, const Seed& seed) {
     EXPECT_EQ(flaw_of(reader.read, seed.bytes), "") << seed.reader << '/' << seed.name;
-    EXPECT_FALSE(reader.read(seed.bytes)) << seed.reader << '/' << seed.name;
+    const std::string name = seed.reader + '/' + seed.name;
+    EXPECT_EQ(reader.read(seed.bytes), valid.contains(name)) << name;
   });
   for (const Seed& seed : kept()) {
     const auto all = fuzz::readers();

@@ -95,6 +95,13 @@ TEST_F(ReadJobs, AFolderHidesNoBuiltInScene) {
   EXPECT_EQ(jobs("[job.a]\nscene = \"rod-hang\"\n").jobs[0].scene, "rod-hang");
 }
 
+// A name longer than a file system takes is that of a built-in scene, of which there is none: for the bake to
+// say.
+TEST_F(ReadJobs, TakesASceneOfAnyName) {
+  const std::string scene(1000, 'a');
+  EXPECT_EQ(jobs("output = 'o'\n[job.one]\nscene = '" + scene + "'\n").jobs.at(0).scene, scene);
+}
+
 TEST_F(ReadJobs, RefusesWithLineAndKey) {
   const std::vector<std::pair<std::string, std::string>> refused{
       {"", "job: is missing"},
