@@ -164,15 +164,15 @@ float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const
 ShadowMap::Seen ShadowMap::seen_of_patch(const std::array<Vector3f, 4>& corners,
                                          const Vector3f& normal) const {
   // More than the rounding of places, which is 1e-7 of the distance in texels.
-  constexpr float margin = 0.25f;  // texels
+  constexpr float slack = 0.25f;  // texels
   Eigen::AlignedBox3f box;
   for (const Vector3f& corner : corners) {
     if (!corner.allFinite()) return Seen::unknown;
     const Place place = place_of(corner, normal);
     box.extend(Vector3f(place.x, place.y, place.height));
   }
-  const Vector3f least = box.min() - Vector3f(margin, margin, margin * texel_);
-  const Vector3f most = box.max() + Vector3f(margin, margin, margin * texel_);
+  const Vector3f least = box.min() - Vector3f(slack, slack, slack * texel_);
+  const Vector3f most = box.max() + Vector3f(slack, slack, slack * texel_);
   const float limit = static_cast<float>(size_ - 2);
   if (!least.allFinite() || !most.allFinite()) return Seen::unknown;
   if (most.x() < 0.0f || most.y() < 0.0f || least.x() > limit || least.y() > limit) return Seen::whole;
