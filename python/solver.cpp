@@ -37,9 +37,9 @@ void move_on(Solver& self, const Work& work) {
 }
 
 Handle make_solver(const fascicle::model& model, const std::shared_ptr<Device>& device,
-                   const std::optional<std::string>& rotation,
-                   const std::optional<std::uint32_t>& iterations) {
-  const fascicle::solver_options options{rotation, iterations};
+                   const std::optional<std::string>& rotation, const std::optional<std::uint32_t>& iterations,
+                   const std::optional<double>& viscosity) {
+  const fascicle::solver_options options{rotation, iterations, viscosity};
   const auto joints = static_cast<std::size_t>(model.joint_count());
   if (!device)
     return without_lock([&] {
@@ -153,6 +153,7 @@ constexpr const char* solver_text = R"(A body in motion, at rest before frame 0.
     device      the device to run on; None opens "auto" for this solver
     rotation    "qcp" or "mueller2016"; None: the scene's
     iterations  of an implicit substep; None: as many as the scene's own substeps need (longer ones need more)
+    viscosity   s, of an implicit model; None: the scene's, 0 for a model from arrays
 
 The arrays `positions`, `velocities` and `surface` are the solver's own memory, not copies. While one of them
 is in use, stepping raises BufferError. Delete them (del), or make copies.
@@ -223,7 +224,7 @@ void add_solver(py::module_& module) {
   py::class_<Solver, Handle> type(module, "Solver", solver_text);
   type.attr("__module__") = "fascicle";
   type.def(py::init(&make_solver), "model"_a, "device"_a = none, py::kw_only(), "rotation"_a = none,
-           "iterations"_a = none, "Creates a solver, at rest.")
+           "iterations"_a = none, "viscosity"_a = none, "Creates a solver, at rest.")
       .def(
           "start_clip",
           [](Solver& self, const py::object& progress) {

@@ -26,5 +26,5 @@ void main() {
   load = contact_settled_load(load, w, mobility[corners.x], mobility[corners.y], mobility[corners.z],
                               mobility[corners.w]);
   contact_impulse_of[p] = record_of(contact_settling(vector_of(contact_impulse_of[p]), normal_of(p), u, before,
-                                                     push.implicit.history, load));
+                                                     push.implicit.settled, load));
 }

@@ -132,12 +132,13 @@ struct Substep {
   uint collider_count;             // per substep
 };
 
-// Further inputs of an implicit substep. With history (BDF2) H = 2h/3; without (backward Euler, the first
-// step) H = h and the shares of history are 0.
+// Further inputs of an implicit substep, with the share t of BDF2 (host/model/implicit.h); t is 0, backward
+// Euler, without history (the first step).
 struct ImplicitStep {
-  float step;           // H
-  float history;        // 1/3: weight of the previous substep's change in (4 q - q_prev)/3
-  float skin_history;   // 1/2: the same in the skinned velocity at the substep's end
+  float step;           // H = 2h/(2 + t)
+  float history;        // t/(2 + t): weight of the previous substep's change; 1/3 for BDF2
+  float skin_history;   // t/2: the same in the skinned velocity at the substep's end
+  float settled;        // history/(1 + history): share of the last velocity that history cancels
   float inverse_step;   // 1/H
   float extrapolated;   // share of the last acceleration that the iterations start with
   float omega;          // this iteration's over-relaxation

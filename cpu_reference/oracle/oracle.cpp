@@ -62,7 +62,7 @@ Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::u
               .colliders = part(drive.colliders, model.collider_count),
               .decay = drive.decay};
   if (!model.is_implicit()) return now;
-  now.stepping = Stepping{now.h, step_before == drive.h};
+  now.stepping = Stepping{now.h, step_before == drive.h, options.viscosity};
   double gain = 0.0;
   for (const float g : model.volume_gain) gain = std::max(gain, double(g));
   now.chebyshev = Chebyshev(options.iterations, stiffest(*now.stepping), gain / 2.0);

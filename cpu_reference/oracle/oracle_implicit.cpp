@@ -149,11 +149,11 @@ std::vector<double> vertex_stiffness(const Model& model, const std::vector<doubl
   return K;
 }
 
-// y = (4 q - q_prev)/3 + H v_y,  (v_y - (4 v - v_prev)/3)/H = f - d (v_y - u); q + h v_y without history.
+// y = (1 + b) q - b q_prev + H v_y,  (v_y - ((1 + b) v - b v_prev))/H = f - d (v_y - u).
 Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
                             const Vector3d& u) {
   const auto continued = [&](const Vector3d& now, const Vector3d& before) {
-    return step.has_history ? Vector3d((4.0 * now - before) / 3.0) : now;
+    return Vector3d((1.0 + step.second()) * now - step.second() * before);
   };
   const double H = step.length();
   const Vector3d v_y = (continued(past.v, past.v_before) + H * (f + d * u)) / (1.0 + d * H);
@@ -182,10 +182,10 @@ Vector3d pulled_position(const Vector3d& y, const Vector3d& g, double mass, doub
   return (inertia * y + pull * g) / (inertia + pull);
 }
 
-// v = (3 q_new - 4 q + q_prev)/(2h); (q_new - q)/h without history.
+// v = (1 - t) (q_new - q)/h + t (3 q_new - 4 q + q_prev)/(2h)
 Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, const Stepping& step) {
-  if (!step.has_history) return (q - past.q) / step.h;
-  return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
+  const double t = step.bdf2();
+  return (1.0 - t) * (q - past.q) / step.h + t * (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
 }
 
 // The gain shifts and scales [0, a] to [-rho, rho], and for a_N T_{N-1}(1/rho) = 20. If factors go down to -s

@@ -2,6 +2,7 @@
 // They are ours and not the paper's.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -19,12 +20,21 @@ std::vector<double> region_stiffness(const model::Model& model);
 // K_i = sum_{r: i in N_r} k_r m_i, kg/s^2.
 std::vector<double> vertex_stiffness(const model::Model& model, const std::vector<double>& region);
 
-// One step of h seconds: BDF2 from two substeps of history, backward Euler from one.
+// One step of h seconds: backward Euler from one substep of history; from two, its blend with BDF2,
+//   x' = (1 - t) (x - x_1)/h + t (3 x - 4 x_1 + x_2)/(2h),  t = 1 - viscosity/h, at least 0.
 struct Stepping {
   double h;
   bool has_history;
+  double viscosity;      // s
+  double bdf2() const {  // t
+    return has_history ? std::max(0.0, 1.0 - viscosity / h) : 0.0;
+  }
+  // x' = (x - (1 + b) x_1 + b x_2)/H
   double length() const {  // H
-    return has_history ? 2.0 * h / 3.0 : h;
+    return 1.0 / ((1.0 - bdf2()) / h + 1.5 * bdf2() / h);
+  }
+  double second() const {  // b
+    return bdf2() / (2.0 * h) * length();
   }
 };
 

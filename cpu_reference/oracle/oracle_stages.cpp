@@ -176,7 +176,7 @@ void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shade
     Vector3d u = skinned_velocity(i, step.h);
     if (!model.carried.empty()) {
       f += double(model.carried[i]) * (u - skinned_velocities[i]) / step.h;
-      if (step.has_history) u = (3.0 * u - skinned_velocities[i]) / 2.0;
+      u += step.bdf2() / 2.0 * (u - skinned_velocities[i]);
     }
     const double d = model.layers[model.layer_of(i)].damping;
     y[i] = predicted_position(history[i], step, f, d, u);
@@ -303,8 +303,7 @@ void Oracle::Impl::hold_contacts(const Stepping& step) {
 }
 
 void Oracle::Impl::settle_contacts(const Stepping& step) {
-  const Points gains =
-      contacts.settling_gains(contacts_found, v, v_before, step.has_history ? 1.0 / 3.0 : 0.0);
+  const Points gains = contacts.settling_gains(contacts_found, v, v_before, step.second());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) v[i] += gains[i];
 }
 

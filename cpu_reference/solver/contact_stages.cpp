@@ -211,7 +211,7 @@ void contact_settle(const Model& model, const SubstepInput& in, Fields& fields, 
         model.mobility[pair.corner[2]], model.mobility[pair.corner[3]]);
     put_impulse(fields, p,
                 kernel::contact_settling<float>(impulse_of(fields, p), pair.normal, velocity,
-                                                between(pair, velocity_before), in.implicit.history, load));
+                                                between(pair, velocity_before), in.implicit.settled, load));
   }
 }
 

@@ -118,6 +118,12 @@ model::SolverOptions with(model::SolverOptions options, const fascicle_solver_op
     throw BadArgument("options.iterations is " + std::to_string(given.iterations) +
                       "; it must be from 1 to 1000, or 0 for the scene's");
   if (given.iterations > 0) options.iterations = given.iterations;
+  if (!std::isnan(given.viscosity)) {
+    if (!std::isfinite(given.viscosity) || given.viscosity < 0.0)
+      throw BadArgument("options.viscosity is " + base::number_text(given.viscosity) +
+                        "; it must be a finite number of at least 0, or NaN for the scene's");
+    options.viscosity = given.viscosity;
+  }
   if (given.rotation == nullptr) return options;
   const auto rotation = base::named<model::Rotation>(given.rotation);
   if (!rotation) {
@@ -155,7 +161,9 @@ using namespace fascicle;
 using Driven = fascicle_solver::Driven;
 
 void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size) {
-  api::fill(options, struct_size, fascicle_solver_options{});
+  fascicle_solver_options defaults{};
+  defaults.viscosity = std::numeric_limits<double>::quiet_NaN();
+  api::fill(options, struct_size, defaults);
 }
 
 void fascicle_pose_init(fascicle_pose* pose, size_t struct_size) {

@@ -30,7 +30,8 @@ bake::Identity identity_of_steps(const fascicle_solver& solver) {
           {"solver version", std::to_string(base::solver_version)},
           {"integrator", model::name_of(solver.options.integrator)},
           {"rotation", model::name_of(solver.options.rotation)},
-          {"iterations", std::to_string(solver.options.iterations)}};
+          {"iterations", std::to_string(solver.options.iterations)},
+          {"viscosity", base::number_text(solver.options.viscosity)}};
 }
 
 std::string saved_bytes(const fascicle_solver& solver) {

@@ -121,6 +121,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"solver.weights", name_of(scene.solver.weights)},
                     {"solver.substeps", base::number_text(substeps_of(scene, options))},
                     {"solver.iterations", base::number_text(iterations_of(scene, options))},
+                    {"solver.viscosity", base::number_text(scene.solver.viscosity)},
                     {"clip", scene.clip},
                     {"motion", scene::dump(json_of(scene.motion))},
                     {"forces", scene::dump(json_of(scene.forces))},

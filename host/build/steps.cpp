@@ -96,7 +96,8 @@ Largest largest_of(const std::vector<double>& values) {
   return largest;
 }
 
-// BDF2's H is 2/3 of the step.
+// BDF2's H is 2/3 of the step. A viscous step has up to 3/2 of that, but more iterations than these do not
+// show (docs/design/integrators.md).
 double stiffness_of_step(double k_over_m, double substeps_per_second) {
   const double H = 2.0 / 3.0 / substeps_per_second;
   return k_over_m * H * H;
@@ -166,6 +167,11 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   steps.iterations = solver.iterations.value_or(enough);
   steps.error = error_of(swing.value, a_second);
   steps.error.residual = model::residual_share(steps.iterations, stiffness, overshoot);
+  const double longest = 1.0 / a_second;
+  if (solver.viscosity != scene::viscosity_of_character && solver.viscosity > longest * (1.0 + 1e-6))
+    warn(report, "solver.viscosity: " + base::short_text(solver.viscosity) +
+                     " s is longer than a substep, so only its length acts: " + base::short_text(longest) +
+                     " s; use damping for the rest, or fewer substeps");
   // For auto substeps a warning has already been given.
   if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
     warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +

@@ -37,8 +37,9 @@ struct Convergence {
   std::vector<SteppedSkin> skins;  // by number of substeps
 };
 
-// Steps all variants together, frame by frame, each from its own preroll and settling. Throws UsageError for
-// an explicit scene, whose stiffness depends on its substeps; bake::NotFinite.
+// Steps all variants together, frame by frame, each from its own preroll and settling, and all with the
+// viscosity that the reference's substeps allow. Throws UsageError for an explicit scene, whose stiffness
+// depends on its substeps; bake::NotFinite.
 Convergence measure_convergence(
     const scene::Scene& scene, const Built& built, const ChosenDevice& device, std::uint64_t frames,
     const std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>& on_frame);

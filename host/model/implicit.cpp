@@ -8,9 +8,9 @@ namespace fascicle::model {
 
 namespace {
 
-// The effective step H used for y and a.
-double step_of(double h, bool with_history) {
-  return with_history ? 2.0 * h / 3.0 : h;
+// The effective step H used for y and a, for a share t of BDF2.
+double step_of(double h, double t) {
+  return 2.0 * h / (2.0 + t);
 }
 
 // Neither factor of a vertex may bring denormal numbers into a product that is not snapped to zero.
@@ -48,12 +48,18 @@ double volume_overshoot(const Model& model) {
   return static_cast<double>(gain) / 2.0;
 }
 
+double second_order_share(double viscosity, double h) {
+  return std::max(0.0, 1.0 - viscosity / h);
+}
+
 shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history) {
+  const double t = with_history ? tables.second_order : 0.0;
   shader::ImplicitStep step{};
-  step.step = static_cast<float>(step_of(tables.h, with_history));
-  step.history = with_history ? static_cast<float>(1.0 / 3.0) : 0.0f;
-  step.skin_history = with_history ? 0.5f : 0.0f;
-  step.inverse_step = static_cast<float>((with_history ? 1.5 : 1.0) / tables.h);
+  step.step = static_cast<float>(step_of(tables.h, t));
+  step.history = as_factor(t / (2.0 + t));
+  step.skin_history = as_factor(t / 2.0);
+  step.settled = as_factor(t / (2.0 + 2.0 * t));
+  step.inverse_step = static_cast<float>((1.0 + t / 2.0) / tables.h);
   step.extrapolated = with_history ? static_cast<float>(tables.extrapolated) : 0.0f;
   step.omega = 1.0f;
   step.gain = 1.0f;
@@ -65,9 +71,10 @@ shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tab
 ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h) {
   ImplicitTables tables;
   tables.h = h;
+  tables.second_order = second_order_share(options.viscosity, h);
   tables.responses.reserve(2 * std::size_t{model.vertex_count});
   for (const bool with_history : {false, true}) {
-    const double H = step_of(h, with_history);
+    const double H = step_of(h, with_history ? tables.second_order : 0.0);
     double stiffest = 0.0;
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
       const double damped = 1.0 + model.layers[model.layer_of(i)].damping * H;

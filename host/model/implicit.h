@@ -17,17 +17,25 @@ struct Relaxation {
   float omega = 1.0f, gain = 1.0f;
 };
 
-// What the solvers keep for a step length: entries for backward Euler first, then for BDF2.
-// ImplicitStep::first_response selects between them.
+// The share t of BDF2 in a step of h seconds; the rest is backward Euler:
+//   q' = (1 - t) (q - q_prev)/h + t (3 q - 4 q_prev + q_before)/(2h).
+// Of a motion w (rad/s) this takes (1 - t) h w^2/2 per second, which is what the viscosity asks for. It
+// cannot give more than backward Euler does, so at most h of the viscosity counts.
+double second_order_share(double viscosity, double h);
+
+// What the solvers keep for a step length: entries for backward Euler first, which a step without history
+// takes, then for the blend with BDF2. ImplicitStep::first_response selects between them.
 struct ImplicitTables {
   double h = 0.0;                                      // s; 0: not computed yet
+  double second_order = 1.0;                           // with history
   std::vector<shader::Response> responses;             // 2n
   std::array<std::vector<Relaxation>, 2> relaxations;  // one per iteration
   double extrapolated = 0.0;                           // with history
 };
 ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h);
 
-// A substep's numbers: for BDF2 with history, for backward Euler without. omega and gain are left at 1.
+// A substep's numbers: with history for the blend of the tables, without for backward Euler. omega and gain
+// are left at 1.
 shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history);
 
 // In each iteration the modes of the error shrink by factors from 0 (rough) to `stiffest`, the largest a of

@@ -25,6 +25,8 @@ void check_options(const Model& model, const SolverOptions& options) {
     throw std::invalid_argument(std::string("solver: the model is not for the ") +
                                 name_of(options.integrator) + " integrator");
   if (implicit && options.iterations == 0) throw std::invalid_argument("solver: iterations is 0");
+  if (!std::isfinite(options.viscosity) || options.viscosity < 0.0)
+    throw std::invalid_argument("solver: viscosity is not a finite number of at least 0");
 }
 
 void check_drive(const Model& model, const Drive& drive) {

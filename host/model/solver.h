@@ -23,6 +23,7 @@ struct SolverOptions {
   Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
   std::uint32_t iterations = 20;  // implicit integrator only, per substep
+  double viscosity = 0.0;         // s, implicit integrator only: second_order_share in implicit.h
 };
 
 // Throws std::invalid_argument if the model was not built for the options' integrator.

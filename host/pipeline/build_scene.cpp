@@ -73,7 +73,10 @@ Built build_scene_again(const scene::Scene& scene, const build::BuildOptions& op
 
 model::SolverOptions solver_options(const scene::Scene& scene, const build::Steps& steps) {
   const scene::SolverSettings& solver = scene.solver;
-  return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = steps.iterations};
+  return {.integrator = solver.integrator,
+          .rotation = solver.rotation,
+          .iterations = steps.iterations,
+          .viscosity = solver.viscosity};
 }
 
 std::string warning_text(const build::Warning& warning) {

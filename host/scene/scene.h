@@ -318,6 +318,10 @@ constexpr auto names_of(Quality) {
   return std::array{"draft", "normal", "final"};
 }
 
+// SolverSettings::viscosity of an implicit scene with joints that states none: nearly all that 480 substeps a
+// second can give.
+inline constexpr double viscosity_of_character = 0.002;
+
 struct SolverSettings {
   Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
@@ -327,6 +331,7 @@ struct SolverSettings {
   // Per implicit substep, [1, 1000]; nullopt: "auto", build::choose_steps decides.
   std::optional<std::uint32_t> iterations = {};
   Quality quality = Quality::normal;  // for auto_substeps of an implicit scene
+  double viscosity = 0.0;             // s, [0, 1], of an implicit scene; at most a substep's length acts
 };
 
 // Whether the rest shape already includes the sag under gravity, so that only gravity's change in the bones'

@@ -292,17 +292,18 @@ void read_mesh(const toml::table& table, const std::filesystem::path& folder, Lo
   }
 }
 
-void read_steps(const toml::table& table, SolverSettings& solver) {
+void read_steps(const toml::table& table, bool has_joints, SolverSettings& solver) {
   const bool implicit = solver.integrator == Integrator::implicit_step;
   const toml::node* substeps = table.get("substeps");
   solver.auto_substeps = substeps != nullptr && substeps->is_string();
   if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
-  for (const char* key : {"quality", "iterations"})
+  for (const char* key : {"quality", "iterations", "viscosity"})
     if (table.contains(key) && !implicit)
       fail(table.get(key)->source(), std::string("solver.") + key,
            takes(Integrator::implicit_step) + "; leave it out");
   if (const toml::node* iterations = table.get("iterations"); iterations && !iterations->is_string())
     read(table, "iterations", solver.iterations);
+  if (implicit && has_joints && !table.contains("viscosity")) solver.viscosity = viscosity_of_character;
   if (table.contains("quality") && !solver.auto_substeps)
     fail(table.get("quality")->source(), "solver.quality",
          "applies only with solver.substeps = \"auto\"; set that, or leave it out");
@@ -359,12 +360,12 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   const toml::table& solver = table_at(root, "solver");
   scene.solver.integrator = integrator_of(root);
   read_keys(solver, scene.solver);
-  read_steps(solver, scene.solver);
   read_general_keys(table_at(root, "scene"), scene);
 
   read_bones(root, scene);
   const bool has_character = root.contains("character");
   const Surroundings surroundings{!scene.bones.empty() || has_character, has_character};
+  read_steps(solver, surroundings.has_joints, scene.solver);
   read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
   read_flesh(root, scene);
@@ -410,7 +411,7 @@ std::vector<std::pair<std::string, std::string>> keys_without_end(const Scene& s
 std::string documented_text(const Scene& scene) {
   const toml::table root = parse_toml(scene.text, scene.source);
   // Leave out keys that the scene would reject: those for the other integrator or for another kind of body.
-  std::vector<const char*> left_out{"iterations", "quality"};
+  std::vector<const char*> left_out{"iterations", "quality", "viscosity"};
   if (scene.solver.integrator == Integrator::implicit_step)
     left_out.assign(explicit_keys.begin(), explicit_keys.end());
   if (scene.solver.integrator == Integrator::implicit_step && !scene.solver.auto_substeps)

@@ -39,7 +39,15 @@ const auto& solver_rows() {
           {.name = "quality",
            .doc = "Accuracy of the implicit integrator with substeps = \"auto\". draft: at least 240 "
                   "substeps per second; normal: 480; final: 1440, with a seventh to two thirds of "
-                  "normal's error, depending on the motion."})};
+                  "normal's error, depending on the motion."}),
+      key(&SolverSettings::viscosity,
+          {.name = "viscosity",
+           .doc = "Viscosity of flesh over its stiffness, s, with the implicit integrator: motion at f Hz "
+                  "decays by (2 pi f)^2 / 2 times this per second, so thin flesh does not buzz after an "
+                  "impact and slow swings remain. At most the length of a substep acts. Default: 0.002 for "
+                  "a character or bones, else 0.",
+           .range = between(0.0, 1.0)},
+          {.depends = true})};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

@@ -18,7 +18,7 @@ using scene::Integrator;
 constexpr std::array<std::string_view, 2> of_explicit_layers{"alpha", "alpha_outer"};
 constexpr std::array<std::string_view, 5> of_implicit_layers{"youngs_modulus", "frequency", "material",
                                                              "damping_ratio", "least_volume"};
-constexpr std::array<std::string_view, 2> of_implicit_solver{"iterations", "quality"};
+constexpr std::array<std::string_view, 3> of_implicit_solver{"iterations", "quality", "viscosity"};
 constexpr std::array<std::string_view, 3> of_moving_layers{"frequency", "damping_ratio", "sliding"};
 
 template <std::size_t count>

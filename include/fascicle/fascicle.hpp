@@ -298,6 +298,7 @@ struct solver_options {
   std::optional<std::string> rotation =
       {};  // "qcp", "mueller2016"; absent, here and below: as the scene says
   std::optional<std::uint32_t> iterations = {};  // per implicit substep
+  std::optional<double> viscosity = {};          // s, of an implicit model
 };
 
 class solver {
@@ -389,6 +390,7 @@ class solver {
     if (options.iterations == 0u)
       throw error(FASCICLE_BAD_ARGUMENT, "solver_options.iterations is 0; it must be from 1 to 1000");
     c.iterations = options.iterations.value_or(0);
+    c.viscosity = detail::number(options.viscosity);
     fascicle_solver* made = nullptr;
     check(fascicle_solver_create(model.get(), device, &c, &made));
     handle_.reset(made);

@@ -84,6 +84,8 @@ typedef struct fascicle_solver_options {
   const char* rotation; /* "qcp" or "mueller2016"; NULL: as the scene says; "qcp" for a model from arrays */
   uint32_t iterations;  /* per implicit substep, 1 to 1000; 0: as many as the scene's own
                            substeps need (longer ones need more); 20 for a model from arrays */
+  double viscosity; /* s, of an implicit model, at least 0: solver.viscosity of scene files; NaN: as the scene
+                       says; 0 for a model from arrays */
 } fascicle_solver_options;
 
 FASCICLE_API void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size);

@@ -1,9 +1,14 @@
 // The implicit integrator on small bodies: CpuSolver compared with the Oracle, and properties of every step.
 #include "host/model/implicit.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
+#include <numbers>
+#include <vector>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -67,10 +72,14 @@ TEST(Implicit, CpuStaysNearTheOracle) {
     model = make_implicit(model, 2e3 * (seed + 1));
     if (has_volume) add_volume(model, 1.5f);
     check_model(model);
-    const auto solver = make_cpu_solver(model, implicit, 2);
-    Oracle oracle(model, implicit);
+    constexpr double h = 1.0 / 180.0;
+    // None, a part of the substep, and more than counts.
+    model::SolverOptions options = implicit;
+    options.viscosity = std::array{0.0, 0.7 * h, 3.0 * h}[seed % 3];
+    const auto solver = make_cpu_solver(model, options, 2);
+    Oracle oracle(model, options);
     oracle.load(solver->save());
-    Sway sway(model, 1.0 / 180.0);
+    Sway sway(model, h);
     const model::Distance distance = model::distance_to(
         model, *solver, oracle, [&](std::uint64_t k) { return sway.at(k); }, 20);
     EXPECT_LT(distance.largest, 2.5e-5)
@@ -260,6 +269,117 @@ TEST(Implicit, CornersStayFiniteAndGainNoEnergy) {
         }
         EXPECT_LE(most, 1.01 * before) << E << " Pa, " << h << " s, " << density << " kg/m^3";
       }
+}
+
+// One free vertex in the middle of a held cube, released on the cube's diagonal, which is an axis of its
+// symmetry: when it passes its rest, and its extremes between.
+struct Ringing {
+  std::vector<double> crossings, extremes;
+  double rate() const {  // rad/s
+    return std::numbers::pi * double(crossings.size() - 1) / (crossings.back() - crossings.front());
+  }
+  double decay() const {  // of the amplitude, 1/s
+    return std::log(extremes.front() / extremes.back()) * rate() /
+           (std::numbers::pi * double(extremes.size() - 1));
+  }
+};
+Ringing ringing_of(double modulus, double h, double viscosity, int substeps) {
+  BodyOptions options;
+  options.kinematic = [](const Vector3d& p) { return (p - Vector3d::Constant(1.0 / 32)).norm() > 1e-3; };
+  const Model model = make_implicit(make_model(kuhn_bar(3, 3, 3, 1.0 / 32), options), modulus);
+  const auto solver = make_cpu_solver(
+      model, {.integrator = model::Integrator::implicit_step, .iterations = 60, .viscosity = viscosity}, 1);
+  model::State state = solver->save();
+  std::uint32_t middle = 0;
+  while (model.is_kinematic(middle)) ++middle;
+  const Vector3d rest = triple(state.positions, middle), way = Vector3d::Ones().normalized();
+  constexpr double swing = 1e-3;
+  for (int c = 0; c < 3; ++c) state.positions[3 * middle + std::size_t(c)] += float(swing * way[c]);
+  solver->load(state);
+  TestDrive quiet = quiet_drive(model, h, 1);
+  Ringing ringing;
+  double before = swing, largest = swing;
+  for (int k = 1; k <= substeps; ++k) {
+    solver->submit(quiet.get(), both);
+    const double now = (triple(solver->collect().positions, middle) - rest).dot(way);
+    if ((now < 0.0) != (before < 0.0)) {
+      ringing.crossings.push_back((k - now / (now - before)) * h);
+      ringing.extremes.push_back(largest);
+      largest = 0.0;
+    }
+    largest = std::max(largest, std::abs(now));
+    before = now;
+  }
+  return ringing;
+}
+
+// Viscosity t takes w^2 t/2 of a swing of w rad/s per second: four times as much from a swing twice as fast.
+// The error of the time step is (w h)^2, a hundredth here, and extremes are sampled.
+TEST(Implicit, ViscosityDampsByTheSquareOfTheFrequency) {
+  constexpr double h = 1.0 / 1920.0, viscosity = 0.8 * h;
+  double slow = 0.0;
+  for (const double modulus : {500.0, 2000.0}) {
+    const Ringing plain = ringing_of(modulus, h, 0.0, 960), viscous = ringing_of(modulus, h, viscosity, 960);
+    ASSERT_GT(viscous.crossings.size(), 6u);
+    const double w = plain.rate(), taken = viscous.decay() - plain.decay();
+    EXPECT_NEAR(viscous.rate(), w, 0.01 * w);
+    EXPECT_NEAR(taken, w * w * viscosity / 2.0, 0.03 * w * w * viscosity / 2.0) << "at " << w << " rad/s";
+    if (slow > 0.0) {
+      EXPECT_NEAR(taken / slow, 4.0, 0.2);
+    }
+    slow = taken;
+  }
+}
+
+// A falling body has no viscosity to feel, whatever its shape: accelerations that do not change are exact.
+TEST(Implicit, ViscosityLeavesAFallAlone) {
+  const Model model = free_bar(2e3, 0.0f);
+  model::SolverOptions viscous = implicit;
+  viscous.viscosity = 0.002;
+  const auto solver = make_cpu_solver(model, viscous, 1);
+  TestDrive drive = quiet_drive(model, 1.0 / 480, 8, {0, -9.81, 0});
+  Frame frame;
+  for (int k = 0; k < 30; ++k) {
+    solver->submit(drive.get(), both);
+    frame = solver->collect();
+  }
+  const double t = 30.0 * 8.0 / 480.0;
+  for (std::size_t i = 0; i < model.vertex_count; ++i)
+    EXPECT_NEAR(frame.velocities[3 * i + 1], -9.81 * t, 1e-4 * 9.81 * t);
+}
+
+// The share of BDF2, and what follows from it. Without viscosity these are BDF2's own numbers, bit by bit.
+TEST(Implicit, ViscosityBlendsBackwardEulerIn) {
+  constexpr double h = 1.0 / 480.0;
+  EXPECT_EQ(model::second_order_share(0.0, h), 1.0);
+  EXPECT_NEAR(model::second_order_share(h / 4.0, h), 0.75, 1e-15);
+  EXPECT_EQ(model::second_order_share(h, h), 0.0);
+  EXPECT_EQ(model::second_order_share(1.0, h), 0.0);
+  const Model model = held_bar(1e4);
+  const auto step_of = [&](double viscosity, bool has_history) {
+    model::SolverOptions options = implicit;
+    options.viscosity = viscosity;
+    return implicit_step(model, implicit_tables(model, options, h), has_history);
+  };
+  const shader::ImplicitStep second = step_of(0.0, true), first = step_of(h, true),
+                             begun = step_of(0.0, false);
+  EXPECT_EQ(second.step, float(2.0 * h / 3.0));
+  EXPECT_EQ(second.history, float(1.0 / 3.0));
+  EXPECT_EQ(second.skin_history, 0.5f);
+  EXPECT_EQ(second.settled, 0.25f);
+  EXPECT_EQ(second.inverse_step, float(1.5 / h));
+  for (const shader::ImplicitStep& step : {first, begun}) {
+    EXPECT_EQ(step.step, float(h));
+    EXPECT_EQ(step.history, 0.0f);
+    EXPECT_EQ(step.skin_history, 0.0f);
+    EXPECT_EQ(step.settled, 0.0f);
+    EXPECT_EQ(step.inverse_step, float(1.0 / h));
+  }
+  for (const double viscosity : {-1e-3, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    model::SolverOptions options = implicit;
+    options.viscosity = viscosity;
+    EXPECT_THROW(make_cpu_solver(model, options, 1), std::invalid_argument) << viscosity;
+  }
 }
 
 // Chebyshev's coefficients, by recurrence and from the polynomials, for soft and stiff bodies.

@@ -39,7 +39,8 @@ void step_on(const std::string& device, std::uint64_t frames, const scene::Scene
   const model::SolverOptions solver_options{
       .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
       .rotation = scene.solver.rotation,
-      .iterations = steps.iterations};
+      .iterations = steps.iterations,
+      .viscosity = scene.solver.viscosity};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
   std::unique_ptr<gpu::Device> gpu_device;  // outlives the solver

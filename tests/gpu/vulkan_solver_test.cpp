@@ -32,6 +32,7 @@ struct Case {
   const char* name;
   BarOptions bar;
   model::Rotation rotation = model::Rotation::qcp;
+  double viscosity = 0.0;
 };
 std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << c.name;
@@ -87,6 +88,14 @@ const Case cases[] = {
     {"implicit_carried_cuts", {.skeleton = true, .carried = true, .cuts = true, .implicit = true}},
     {"implicit_all",
      {.skeleton = true, .muscle = true, .forces = true, .implicit = true, .odd_vertices = true}},
+    {"viscous",
+     {.skeleton = true, .carried = true, .cuts = true, .ties = true, .implicit = true, .limits = true},
+     model::Rotation::qcp,
+     1e-3},
+    {"viscous_colliders_contact",
+     {.skeleton = true, .implicit = true, .limits = true, .contact = true, .colliders = true},
+     model::Rotation::qcp,
+     1e-3},
     {"one_tetrahedron_strip", {.x = 2, .y = 2, .z = 2}},
 };
 
@@ -94,7 +103,8 @@ const Case cases[] = {
 model::SolverOptions options_of(const Case& c) {
   return {.integrator = c.bar.implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step,
           .rotation = c.rotation,
-          .iterations = 4};
+          .iterations = 4,
+          .viscosity = c.viscosity};
 }
 
 class VulkanSolver : public VulkanTest, public testing::WithParamInterface<Case> {};

@@ -154,6 +154,10 @@ TEST(Arrays, WrongDrivesAreRefused) {
   options.iterations = 1001;
   EXPECT_EQ(fascicle_solver_create(built, nullptr, &options, &other), FASCICLE_BAD_ARGUMENT);
   EXPECT_NE(std::string(fascicle_last_message()).find("options.iterations is 1001"), std::string::npos);
+  options.iterations = 0;
+  options.viscosity = -1.0;
+  EXPECT_EQ(fascicle_solver_create(built, nullptr, &options, &other), FASCICLE_BAD_ARGUMENT);
+  EXPECT_NE(std::string(fascicle_last_message()).find("options.viscosity is -1"), std::string::npos);
   fascicle_solver_destroy(other);
   fascicle_solver_destroy(solver);
   fascicle_model_destroy(built);

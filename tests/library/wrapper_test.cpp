@@ -121,6 +121,10 @@ TEST(Wrapper, SolverOptionsAreTaken) {
   few.push_back("solver.iterations=3");
   EXPECT_EQ(hash(soft, {.iterations = 3}), hash(few, {}));
   EXPECT_NE(hash(soft, {.iterations = 3}), hash(soft, {}));
+  std::vector<std::string> viscous = soft;
+  viscous.push_back("solver.viscosity=0.003");
+  EXPECT_EQ(hash(soft, {.viscosity = 0.003}), hash(viscous, {}));
+  EXPECT_NE(hash(soft, {.viscosity = 0.003}), hash(soft, {}));
   EXPECT_THROW(hash({}, {.rotation = "polar"}), fascicle::error);
   EXPECT_THROW(hash({}, {.iterations = 0}), fascicle::error);
 }

@@ -13,8 +13,8 @@ namespace fascicle::tests {
 
 struct BuiltScene {
   model::Model model;
-  std::uint32_t substeps = 0;    // per frame
-  std::uint32_t iterations = 0;  // per substep
+  std::uint32_t substeps = 0;  // per frame
+  model::SolverOptions options = {};
 };
 
 // Uses the mesher of this build.
@@ -24,7 +24,11 @@ inline BuiltScene built(const scene::Scene& scene) {
   options.mesher = FASCICLE_MESHER;
   model::Model model = build::build_model(scene, report, options);
   const build::Steps steps = build::choose_steps(scene, model, report);
-  return {std::move(model), steps.substeps, steps.iterations};
+  const model::SolverOptions stepping{.integrator = scene.solver.integrator,
+                                      .rotation = scene.solver.rotation,
+                                      .iterations = steps.iterations,
+                                      .viscosity = scene.solver.viscosity};
+  return {std::move(model), steps.substeps, stepping};
 }
 
 }  // namespace fascicle::tests

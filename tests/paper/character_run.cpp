@@ -14,14 +14,9 @@ void run_character(
     const char* file, const scene::SceneOverrides& overrides,
     const std::function<bool(const model::Model&, const rig::Character&, const model::Frame&)>& see) {
   const scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
-  const auto [model, substeps, iterations] = built(scene);
+  const auto [model, substeps, options] = built(scene);
   drive::DriveSource drives(scene, model, substeps);
-  const auto solver =
-      cpu_reference::make_cpu_solver(model,
-                                     {.integrator = model.is_implicit() ? model::Integrator::implicit_step
-                                                                        : model::Integrator::explicit_step,
-                                      .iterations = iterations},
-                                     0);
+  const auto solver = cpu_reference::make_cpu_solver(model, options, 0);
   solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true, .skinned = true});

@@ -30,10 +30,9 @@ struct RodSwing {
 
 RodSwing swing_of(const scene::Scene& scene) {
   const double fps = scene.fps;
-  const auto [model, substeps, iterations] = built(scene);
+  const auto [model, substeps, options] = built(scene);
   drive::DriveSource drives(scene, model, substeps);
-  const auto solver = cpu_reference::make_cpu_solver(
-      model, {.integrator = model::Integrator::implicit_step, .iterations = iterations}, 2);
+  const auto solver = cpu_reference::make_cpu_solver(model, options, 2);
   solver->load(drives.initial_state());
   RodSwing result{fps, substeps, model.layers[0].frequency, {}};
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {

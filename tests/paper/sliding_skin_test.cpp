@@ -39,7 +39,9 @@ Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std
   drive::DriveSource drives(scene, model, steps.substeps);
   model::SolverOptions options;
   if (model.is_implicit())
-    options = {.integrator = model::Integrator::implicit_step, .iterations = steps.iterations};
+    options = {.integrator = model::Integrator::implicit_step,
+               .iterations = steps.iterations,
+               .viscosity = scene.solver.viscosity};
   const auto solver = cpu_reference::make_cpu_solver(model, options, 0);
   const auto middle = [&](const std::vector<float>& positions, const char* probe) {
     for (const model::ProbeSet& set : model.probes)

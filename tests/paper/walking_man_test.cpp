@@ -22,13 +22,9 @@ Frames bake(const std::string& file, const std::vector<std::string>& set, std::u
   scene::SceneOverrides overrides;
   overrides.set = set;
   const scene::Scene scene = scene::load_scene(file, overrides);
-  const auto [model, substeps, iterations] = built(scene);
+  const auto [model, substeps, options] = built(scene);
   drive::DriveSource drives(scene, model, substeps);
-  model::SolverOptions stepping;
-  stepping.integrator =
-      model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step;
-  stepping.iterations = iterations;
-  const auto solver = cpu_reference::make_cpu_solver(model, stepping, 0);
+  const auto solver = cpu_reference::make_cpu_solver(model, options, 0);
   solver->load(drives.initial_state());
   Frames surfaces;
   for (std::uint64_t k = 1; k <= frames; ++k) {

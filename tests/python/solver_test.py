@@ -104,7 +104,7 @@ class SmallSolver(InFolder):
         fascicle.Model(self.scene, cache="", progress=lambda *t: told.append(t))
         self.assertEqual(set(told), {("build", 0, 0)})
 
-    def test_takes_rotation_and_iterations(self):
+    def test_takes_rotation_iterations_and_viscosity(self):
         def hash_of(scene, **options):
             solver = fascicle.Solver(fascicle.Model(scene, cache=""), fascicle.Device("cpu"), **options)
             solver.start_clip()
@@ -116,6 +116,10 @@ class SmallSolver(InFolder):
             hash_of(self.scene, rotation="polar")
         with self.assertRaises(fascicle.BadArgument):
             hash_of(self.scene, iterations=0)
+        soft = fascicle.Scene.parse(SMALL_BAR, set=["layers.flesh={youngs_modulus=3e4}"])
+        viscous = fascicle.Scene.parse(SMALL_BAR, set=["layers.flesh={youngs_modulus=3e4}", "solver.viscosity=0.003"])
+        self.assertEqual(hash_of(soft, viscosity=0.003), hash_of(viscous))
+        self.assertNotEqual(hash_of(soft, viscosity=0.003), hash_of(soft))
 
     def test_takes_no_joints_without_a_skeleton(self):
         self.solver.start_pose()

@@ -565,7 +565,8 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
       {"layers.fat.damping_ratio=0.5", "layers.fat.damping_ratio: takes solver.integrator = \"implicit\""},
       {"solver.substeps=many", "is not one of auto"},
       {"solver.iterations=5", "solver.iterations: takes"},
-      {"solver.quality=final", "solver.quality: takes"}};
+      {"solver.quality=final", "solver.quality: takes"},
+      {"solver.viscosity=0.001", "solver.viscosity: takes"}};
   EXPECT_NE(refusal(implicit_sample(), {.set = {"solver.substeps=auto", "solver.iterations=1"}})
                 .find("solver.iterations: is 1, which resolves no stiffness"),
             std::string::npos);

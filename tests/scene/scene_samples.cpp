@@ -331,6 +331,7 @@ integrator = "implicit"
 substeps = "auto"
 iterations = 12
 quality = "draft"
+viscosity = 0.003
 )";
 }
 
@@ -468,7 +469,8 @@ std::string describe(const Scene& scene) {
   }
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
-         scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations, scene.solver.quality);
+         scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations, scene.solver.quality,
+         scene.solver.viscosity);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip, scene.paint);
   const Motion& m = scene.motion;
   d.line("motion", m.rest, m.interpolation, m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,

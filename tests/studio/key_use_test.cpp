@@ -26,9 +26,9 @@ const std::string bone_end =
 
 // A valid value for each key.
 const std::map<std::string, Json> values_in_use{
-    {"alpha", 0.5},         {"youngs_modulus", 2e4}, {"frequency", 5.0}, {"material", "fat"},
-    {"damping_ratio", 0.5}, {"least_volume", 0.2},   {"iterations", 4},  {"quality", "draft"},
-    {"alpha_outer", 0.3},   {"sliding", true},
+    {"alpha", 0.5},         {"youngs_modulus", 2e4}, {"frequency", 5.0},   {"material", "fat"},
+    {"damping_ratio", 0.5}, {"least_volume", 0.2},   {"iterations", 4},    {"quality", "draft"},
+    {"alpha_outer", 0.3},   {"sliding", true},       {"viscosity", 0.001},
 };
 
 bool can_be_set(const std::string& text, const std::string& path, const Json& value) {
