@@ -23,10 +23,10 @@ ROD_FRAMES = 120
 HEAD = """# What a quality costs, and how near it comes
 
 Written by `./do accuracy` from the measurements of `fascicle validate SCENE --converged`: it steps the same motion in
-each quality and in a reference with twice the substeps and iterations of the finest quality. Error is the root mean
-square distance of the skin from the reference, over all frames of the clip; worst is the largest distance of one vertex
-in one frame. The reference has an error too, about a third of the one measured for `final`. Time is the solver's time
-for the clip, relative to `normal`.
+each quality and in a reference with twice the substeps and iterations of the finest quality, all without viscosity.
+Error is the root mean square distance of the skin from the reference, over all frames of the clip; worst is the largest
+distance of one vertex in one frame. The reference has an error too, about a third of the one measured for `final`. Time
+is the solver's time for the clip, relative to `normal`.
 """
 FOOT = "[integrators.md](integrators.md#substeps-and-iterations) says how substeps and iterations are chosen.\n"
 

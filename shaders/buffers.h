@@ -62,7 +62,7 @@ BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep earlier; from 
 BUFFERS_CONSTANT uint buffer_velocity_before = 36u;
 BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
 BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the iterate before the last
-BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, for backward Euler, then for BDF2
+BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, without history, then with
 
 // Models with ties.
 BUFFERS_CONSTANT uint buffer_tied = 41u;  // the accelerations from ties, one vec4 per vertex

@@ -138,7 +138,8 @@ struct ImplicitStep {
   float step;           // H = 2h/(2 + t)
   float history;        // t/(2 + t): weight of the previous substep's change; 1/3 for BDF2
   float skin_history;   // t/2: the same in the skinned velocity at the substep's end
-  float settled;        // history/(1 + history): share of the last velocity that history cancels
+  float settled;        // history/(1 + history): after this share of the last velocity, history leaves none
+  float start;          // 1 - t/2: a substep of constant acceleration p goes h v + start h^2 p
   float inverse_step;   // 1/H
   float extrapolated;   // share of the last acceleration that the iterations start with
   float omega;          // this iteration's over-relaxation

@@ -160,16 +160,18 @@ Vector3d predicted_position(const VertexHistory& past, const Stepping& step, con
   return continued(past.q, past.q_before) + H * v_y;
 }
 
-// q + h v_s with v_s = v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0,
-// |f|), damped like v_y. Without history v_s is v.
+// q + h v_s with v_s = v + s (c (v - v_prev) + (1 - c) h p f/|f|),  p = clamp((v - v_prev) . f / (h |f|), 0,
+// |f|), damped like v_y. s is 1/2 for BDF2 and 1 for backward Euler: how far a constant acceleration moves a
+// vertex beyond h v, in units of h^2 p. Without history v_s is v.
 Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
                              const Vector3d& u, double share) {
   Vector3d v = past.v;
-  if (step.has_history) v += share * (past.v - past.v_before) / 2.0;
+  const double s = 0.5 * step.bdf2() + (1.0 - step.bdf2());
+  if (step.has_history) v += s * share * (past.v - past.v_before);
   // An acceleration below 2^-20 counts as zero.
   if (step.has_history && f.squaredNorm() >= std::ldexp(1.0, -40)) {
     const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
-    v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
+    v += s * (1.0 - share) * step.h * p * f.normalized();
   }
   return past.q + step.h * (v + d * step.length() * u) / (1.0 + d * step.length());
 }

@@ -193,7 +193,8 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
                kernel::predict_position<float>(q, q_before, in.implicit.history, v_y, in.implicit.step));
   store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
-                                         in.implicit.extrapolated, answer.kept, answer.dragged));
+                                         in.implicit.start, in.implicit.extrapolated, answer.kept,
+                                         answer.dragged));
 }
 
 void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& goal) {

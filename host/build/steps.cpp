@@ -96,10 +96,10 @@ Largest largest_of(const std::vector<double>& values) {
   return largest;
 }
 
-// BDF2's H is 2/3 of the step. A viscous step has up to 3/2 of that, but more iterations than these do not
-// show (docs/design/integrators.md).
-double stiffness_of_step(double k_over_m, double substeps_per_second) {
-  const double H = 2.0 / 3.0 / substeps_per_second;
+// H is 2h/(2 + t), with t the share of BDF2 that the viscosity leaves.
+double stiffness_of_step(double k_over_m, double substeps_per_second, double viscosity) {
+  const double h = 1.0 / substeps_per_second;
+  const double H = 2.0 * h / (2.0 + model::second_order_share(viscosity, h));
   return k_over_m * H * H;
 }
 
@@ -159,21 +159,26 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   // A body without a skeleton loses 6 % more of its swing if iterations resolve only the mean: then they
   // start from less than the last substep's acceleration (model::extrapolated_share).
   const double resolved = model.has_skeleton() ? stiff.value : stiffest_vertex(model);
-  const double stiffness = stiffness_of_step(stiff.value, a_second);
+  // What more iterations would add to a character's viscous step does not show (docs/design/integrators.md).
+  const double viscosity = model.has_skeleton() ? 0.0 : solver.viscosity;
   const double overshoot = model::volume_overshoot(model);
   const std::uint32_t enough =
-      iterations_for(stiffness_of_step(resolved, a_second), overshoot,
+      iterations_for(stiffness_of_step(resolved, a_second, viscosity), overshoot,
                      solver.auto_substeps ? most_auto_iterations : most_iterations_of_stated_substeps);
   steps.iterations = solver.iterations.value_or(enough);
   steps.error = error_of(swing.value, a_second);
-  steps.error.residual = model::residual_share(steps.iterations, stiffness, overshoot);
+  const auto residual = [&](double of_viscosity) {
+    return model::residual_share(steps.iterations, stiffness_of_step(stiff.value, a_second, of_viscosity),
+                                 overshoot);
+  };
+  steps.error.residual = residual(solver.viscosity);
   const double longest = 1.0 / a_second;
-  if (solver.viscosity != scene::viscosity_of_character && solver.viscosity > longest * (1.0 + 1e-6))
-    warn(report, "solver.viscosity: " + base::short_text(solver.viscosity) +
-                     " s is longer than a substep, so only its length acts: " + base::short_text(longest) +
-                     " s; use damping for the rest, or fewer substeps");
+  if (solver.has_stated_viscosity && solver.viscosity > longest * (1.0 + 1e-6))
+    warn(report, "solver.viscosity: " + base::short_text(1e3 * solver.viscosity) +
+                     " ms is longer than a substep, so only the " + base::short_text(1e3 * longest) +
+                     " ms of a substep act; use damping for the rest, or fewer substeps");
   // For auto substeps a warning has already been given.
-  if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
+  if (!solver.auto_substeps && residual(viscosity) > model::resolved_residual * (1.0 + 1e-9))
     warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +
                      base::percent_text(steps.error.residual) + " of a substep's change in " +
                      of_layer(stiff) + " undone, so it lags and yields more than it should; " +

@@ -37,10 +37,10 @@ struct Steps {
 // no skeleton moves, they must also keep 2 pi f h <= longest_phase(quality) for the lowest mode f of every
 // layer. (A skeleton's motion is slow compared with the modes of the flesh on it: those of a man's layers are
 // at 32 Hz.) Then the fewest iterations that resolve K H^2/m (model::resolved_stiffness) and leave a
-// twentieth: for a character its mean over each layer, for another body that of the stiffest vertex, at most
-// most_auto_iterations. If those do not resolve the mean, there are more substeps. The flesh gets at most
-// most_auto_substeps; needing more is a warning. Quality alone may require up to 1000. The model must have
-// the frequencies.
+// twentieth, for a character of a step without viscosity: for a character its mean over each layer, for
+// another body that of the stiffest vertex, at most most_auto_iterations. If those do not resolve the mean,
+// there are more substeps. The flesh gets at most most_auto_substeps; needing more is a warning. Quality
+// alone may require up to 1000. The model must have the frequencies.
 //
 // Warns of a scene that states too few, with the expected error if it is known: fewer than 240 substeps per
 // second for a character, a lowest mode that is known but not resolved for another body, and iterations that

@@ -37,8 +37,8 @@ struct Convergence {
   std::vector<SteppedSkin> skins;  // by number of substeps
 };
 
-// Steps all variants together, frame by frame, each from its own preroll and settling, and all with the
-// viscosity that the reference's substeps allow. Throws UsageError for an explicit scene, whose stiffness
+// Steps all variants together, frame by frame, each from its own preroll and settling, and all without
+// viscosity, of which short substeps allow less. Throws UsageError for an explicit scene, whose stiffness
 // depends on its substeps; bake::NotFinite.
 Convergence measure_convergence(
     const scene::Scene& scene, const Built& built, const ChosenDevice& device, std::uint64_t frames,

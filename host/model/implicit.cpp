@@ -59,6 +59,7 @@ shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tab
   step.history = as_factor(t / (2.0 + t));
   step.skin_history = as_factor(t / 2.0);
   step.settled = as_factor(t / (2.0 + 2.0 * t));
+  step.start = static_cast<float>(1.0 - t / 2.0);
   step.inverse_step = static_cast<float>((1.0 + t / 2.0) / tables.h);
   step.extrapolated = with_history ? static_cast<float>(tables.extrapolated) : 0.0f;
   step.omega = 1.0f;

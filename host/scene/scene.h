@@ -332,6 +332,7 @@ struct SolverSettings {
   std::optional<std::uint32_t> iterations = {};
   Quality quality = Quality::normal;  // for auto_substeps of an implicit scene
   double viscosity = 0.0;             // s, [0, 1], of an implicit scene; at most a substep's length acts
+  bool has_stated_viscosity = false;  // false: the default, of which a short substep may take less unsaid
 };
 
 // Whether the rest shape already includes the sag under gravity, so that only gravity's change in the bones'

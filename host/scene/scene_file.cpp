@@ -303,7 +303,8 @@ void read_steps(const toml::table& table, bool has_joints, SolverSettings& solve
            takes(Integrator::implicit_step) + "; leave it out");
   if (const toml::node* iterations = table.get("iterations"); iterations && !iterations->is_string())
     read(table, "iterations", solver.iterations);
-  if (implicit && has_joints && !table.contains("viscosity")) solver.viscosity = viscosity_of_character;
+  solver.has_stated_viscosity = table.contains("viscosity");
+  if (implicit && has_joints && !solver.has_stated_viscosity) solver.viscosity = viscosity_of_character;
   if (table.contains("quality") && !solver.auto_substeps)
     fail(table.get("quality")->source(), "solver.quality",
          "applies only with solver.substeps = \"auto\"; set that, or leave it out");

@@ -39,7 +39,7 @@ const auto& solver_rows() {
           {.name = "quality",
            .doc = "Accuracy of the implicit integrator with substeps = \"auto\". draft: at least 240 "
                   "substeps per second; normal: 480; final: 1440, with a seventh to two thirds of "
-                  "normal's error, depending on the motion."}),
+                  "normal's error, depending on the motion, but less viscosity: its substeps allow 0.7 ms."}),
       key(&SolverSettings::viscosity,
           {.name = "viscosity",
            .doc = "Viscosity of flesh over its stiffness, s, with the implicit integrator: motion at f Hz "
@@ -47,7 +47,8 @@ const auto& solver_rows() {
                   "impact and slow swings remain. At most the length of a substep acts. Default: 0.002 for "
                   "a character or bones, else 0.",
            .range = between(0.0, 1.0)},
-          {.depends = true})};
+          {.depends = true}),
+      member("has_stated_viscosity", &SolverSettings::has_stated_viscosity)};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

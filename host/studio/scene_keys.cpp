@@ -36,7 +36,7 @@ constexpr std::array sliders{
     Slider{"layer", "inertia_scale", "", 0.0, 4.0},
     Slider{"layer", "volume", "", 0.0, 1.0},
     Slider{"layer", "least_volume", "", 0.0, 0.9},
-    Slider{"solver", "viscosity", "s", 0.0, 0.004},
+    Slider{"solver", "viscosity", "s", 0.0, 0.002},
     Slider{"flesh", "softness", "", 0.1, 10.0, true},
     Slider{"flesh", "exaggerate", "", 0.0, 4.0},
     Slider{"muscle", "gain", "", 0.0, 5.0},

@@ -64,7 +64,7 @@ void begin_implicit(uint i) {
       record_of(predict_position(vector_of(q), q_before, push.implicit.history, v_y, push.implicit.step));
   velocity[i] = record_of(v_y);
   Vector start = start_position(vector_of(q), v, v_before, a, u, push.substep.h, push.substep.inverse_h,
-                                push.implicit.extrapolated, answer.kept, answer.dragged);
+                                push.implicit.start, push.implicit.extrapolated, answer.kept, answer.dragged);
   position[i] = record_of(start);
   iterate_before[i] = record_of(start);
 }

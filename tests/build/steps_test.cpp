@@ -102,6 +102,43 @@ TEST(Steps, ALowestModeIsStepped) {
   }
 }
 
+// Only a substep's length of a viscosity acts, and a warning says so of what was stated. Characters do not
+// state theirs.
+TEST(Steps, MoreViscosityThanASubstepIsToldOf) {
+  scene::Scene scene = auto_scene(1e3);
+  for (const auto& [viscosity, told] :
+       {std::pair(0.0005, 0u), std::pair(1.0 / 480.0, 0u), std::pair(0.004, 1u)}) {
+    scene.solver.viscosity = viscosity;
+    scene.solver.has_stated_viscosity = true;
+    const Chosen c = chosen(scene);
+    ASSERT_EQ(c.steps.substeps, 8u);
+    ASSERT_EQ(c.warnings.size(), told) << viscosity;
+    if (told > 0) {
+      EXPECT_EQ(c.warnings[0].text,
+                "solver.viscosity: 4 ms is longer than a substep, so only the 2.08 ms of a substep act; use "
+                "damping for the rest, or fewer substeps");
+    }
+  }
+  scene.solver.quality = scene::Quality::final;
+  scene.solver.viscosity = scene::viscosity_of_character;
+  scene.solver.has_stated_viscosity = false;
+  EXPECT_TRUE(chosen(scene).warnings.empty());
+}
+
+// A viscous step is longer in effect, so a body without a skeleton gets the iterations for that.
+TEST(Steps, AViscousStepTakesMoreIterations) {
+  scene::Scene scene = auto_scene(3e5);
+  const Chosen plain = chosen(scene);
+  scene.solver.viscosity = 1.0 / 480.0;
+  const Chosen viscous = chosen(scene);
+  ASSERT_EQ(viscous.steps.substeps, plain.steps.substeps);
+  EXPECT_GT(viscous.steps.iterations, plain.steps.iterations);
+  EXPECT_LE(viscous.steps.error.residual, model::resolved_residual);
+  // The control: those of the plain step leave more.
+  scene.solver.iterations = plain.steps.iterations;
+  EXPECT_GT(chosen(scene).steps.error.residual, viscous.steps.error.residual);
+}
+
 // A scene's own number of iterations is kept; if it is too low, a warning says so.
 TEST(Steps, TooFewIterationsAreToldOf) {
   scene::Scene scene = auto_scene(2e6);

@@ -19,10 +19,10 @@ kernel::Vector<float> as_floats(const Vector3d& v) {
 
 struct Start {
   Vector3d position, velocity, before, acceleration, u;
-  double h, share, kept, dragged;
+  double h, start, share, kept, dragged;
 };
 
-// v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|, damped, from q over h (predict.inc).
+// v + s (c (v - v_prev) + (1 - c) h p f/|f|), damped, from q over h (predict.inc).
 Vector3d expected(const Start& s) {
   const Vector3d gained = s.velocity - s.before;
   const double force = s.acceleration.norm();
@@ -31,7 +31,7 @@ Vector3d expected(const Start& s) {
     const Vector3d along = s.acceleration / force;
     fall = std::clamp(gained.dot(along) / s.h, 0.0, force) * along;
   }
-  const Vector3d v = s.velocity + s.share * gained / 2.0 + (1.0 - s.share) * s.h / 2.0 * fall;
+  const Vector3d v = s.velocity + s.start * (s.share * gained + (1.0 - s.share) * s.h * fall);
   return s.position + s.h * (s.kept * v + s.dragged * s.u);
 }
 
@@ -49,6 +49,7 @@ TEST(Predict, StartsAsTheFormulaSays) {
             .acceleration = vector(20.0),
             .u = vector(2.0),
             .h = 1.0 / 256,
+            .start = 0.5 + 0.5 * part(engine),
             .share = part(engine),
             .kept = part(engine),
             .dragged = part(engine)};
@@ -60,9 +61,10 @@ TEST(Predict, StartsAsTheFormulaSays) {
                                                           (s.h * s.acceleration.squaredNorm())
                                                     : 0.0;
     ++(gain <= 0.0 ? none : gain < 1.0 ? partly : fully);
-    const auto found = kernel::start_position<float>(
-        as_floats(s.position), as_floats(s.velocity), as_floats(s.before), as_floats(s.acceleration),
-        as_floats(s.u), float(s.h), float(1.0 / s.h), float(s.share), float(s.kept), float(s.dragged));
+    const auto found =
+        kernel::start_position<float>(as_floats(s.position), as_floats(s.velocity), as_floats(s.before),
+                                      as_floats(s.acceleration), as_floats(s.u), float(s.h), float(1.0 / s.h),
+                                      float(s.start), float(s.share), float(s.kept), float(s.dragged));
     // Coordinates below 2 are rounded by 2^-24, and what is added to them, below 0.02, by some 2^-28.
     EXPECT_LE((Vector3d(found.x, found.y, found.z) - expected(s)).cwiseAbs().maxCoeff(), 1.5e-7) << k;
   }

@@ -131,8 +131,10 @@ TEST(LookOfCharactersSoak, AHeavyMansLandingShakesLessWithViscosity) {
   const Motion without = motion_with("0.0"), with = motion_with("0.002");
   RecordProperty("shakes", std::to_string(without.shakes) + " " + std::to_string(with.shakes));
   RecordProperty("swings", std::to_string(without.swings) + " " + std::to_string(with.swings));
-  EXPECT_LT(with.shakes, 0.85 * without.shakes);
-  EXPECT_NEAR(with.swings, without.swings, 0.05 * without.swings);
+  // Measured: 0.68 of the shaking and 0.96 of the swing. The bounds allow half of that gain and half as much
+  // loss again.
+  EXPECT_LT(with.shakes, 0.84 * without.shakes);
+  EXPECT_NEAR(with.swings, without.swings, 0.06 * without.swings);
 }
 
 // Its hocks used to crumple at gaps in the bone layer. The control: flesh thirty times as soft swings off its

@@ -470,7 +470,7 @@ std::string describe(const Scene& scene) {
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
          scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations, scene.solver.quality,
-         scene.solver.viscosity);
+         scene.solver.viscosity, scene.solver.has_stated_viscosity);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip, scene.paint);
   const Motion& m = scene.motion;
   d.line("motion", m.rest, m.interpolation, m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,
