@@ -198,7 +198,17 @@ TEST_F(Barriers, LeftOutAloneAreEachMissed) {
           continue;
         if (is_opening && !known.insert(action.name + label).second) continue;
         run(action, k);
-        ASSERT_EQ(trial.watched.barriers()[k].label(), label);
+        // On a busy machine the solver makes its submissions shorter, and their openings are barriers too. A
+        // new solver begins with the usual ones.
+        const auto is_another = [&] {
+          return trial.watched.barriers().size() <= k || trial.watched.barriers()[k].label() != label;
+        };
+        for (int again = 0; again < 3 && is_another(); ++again) {
+          trial.make();
+          run(action, std::nullopt);
+          run(action, k);
+        }
+        ASSERT_FALSE(is_another()) << where << label;
         ++tried;
         const bool layer = std::any_of(
             trial.messages.begin(), trial.messages.end(),
