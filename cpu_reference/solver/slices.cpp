@@ -10,10 +10,10 @@ namespace {
 
 using model::Model;
 
-constexpr float part = 0x1p-16f;
+constexpr float one_share = 0x1p-16f;
 
 bool fits_parts(float share) {
-  const float parts = share / part;
+  const float parts = share / one_share;
   return parts >= 0.0f && parts <= 65535.0f && parts == static_cast<float>(static_cast<std::uint16_t>(parts));
 }
 
@@ -105,8 +105,8 @@ Slices make_slices(const Model& model, LineAllocator<float> memory) {
     for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e, at += slice_size) {
       if (compact) {
         slices.near_ring[at] = static_cast<std::int16_t>(difference(model, i, e));
-        slices.taken_parts[at] = static_cast<std::uint16_t>(model.share_taken[e] / part);
-        slices.given_parts[at] = static_cast<std::uint16_t>(model.share_given[e] / part);
+        slices.taken_parts[at] = static_cast<std::uint16_t>(model.share_taken[e] / one_share);
+        slices.given_parts[at] = static_cast<std::uint16_t>(model.share_given[e] / one_share);
       } else {
         slices.far_ring[at] = static_cast<std::int32_t>(difference(model, i, e));
         slices.taken[at] = model.share_taken[e];
@@ -133,7 +133,7 @@ double substep_bytes(const Model& model, std::uint32_t passes) {
 }
 
 void fill_constants(const Model& model, const Slices& slices, Fields& fields) {
-  const float scale = slices.is_compact() ? part : 1.0f;
+  const float scale = slices.is_compact() ? one_share : 1.0f;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     float* vertex = fields.vertices.data() + vertex_stride * i;
     vertex[pull_place] = model.pull[i] * scale;
