@@ -8,11 +8,11 @@
 namespace fascicle::gpu {
 namespace {
 
-constexpr std::uint32_t width = shader::slice_width;
+using shader::slice_width;
 
 std::uint32_t slice_depth(const model::Model& model, std::uint32_t first) {
   std::uint32_t depth = 0;
-  for (std::uint32_t i = first; i < std::min(first + width, model.vertex_count); ++i)
+  for (std::uint32_t i = first; i < std::min(first + slice_width, model.vertex_count); ++i)
     depth = std::max(depth, model.ring_offset[i + 1] - model.ring_offset[i]);
   return depth;
 }
@@ -27,7 +27,7 @@ std::uint32_t near_word(std::uint32_t difference, float share) {
 bool is_near(const model::Model& model) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e) {
-      const std::int64_t difference = std::int64_t{model.ring[e]} - i / width * width;
+      const std::int64_t difference = std::int64_t{model.ring[e]} - i / slice_width * slice_width;
       if (difference != static_cast<std::int16_t>(difference)) return false;
       if (model.share_taken[e] >= 1.0f || model.share_given[e] >= 1.0f) return false;
     }
@@ -36,8 +36,8 @@ bool is_near(const model::Model& model) {
 
 std::uint64_t sliced_entry_count(const model::Model& model) {
   std::uint64_t entries = 0;
-  for (std::uint32_t first = 0; first < model.vertex_count; first += width)
-    entries += std::uint64_t{slice_depth(model, first)} * width;
+  for (std::uint32_t first = 0; first < model.vertex_count; first += slice_width)
+    entries += std::uint64_t{slice_depth(model, first)} * slice_width;
   return entries;
 }
 
@@ -49,11 +49,11 @@ SlicedRings slice_rings(const model::Model& model) {
   rings.share_taken.resize(entries);
   rings.share_given.resize(entries);
   std::size_t base = 0;
-  for (std::uint32_t first = 0; first < model.vertex_count; first += width) {
+  for (std::uint32_t first = 0; first < model.vertex_count; first += slice_width) {
     rings.slice.push_back(static_cast<std::uint32_t>(base));
-    for (std::uint32_t i = first; i < std::min(first + width, model.vertex_count); ++i) {
+    for (std::uint32_t i = first; i < std::min(first + slice_width, model.vertex_count); ++i) {
       std::size_t at = base + (i - first);
-      for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e, at += width) {
+      for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e, at += slice_width) {
         if (!near) rings.ring[at] = model.ring[e];
         rings.share_taken[at] = near ? near_word(model.ring[e] - first, model.share_taken[e])
                                      : std::bit_cast<std::uint32_t>(model.share_taken[e]);
@@ -61,7 +61,7 @@ SlicedRings slice_rings(const model::Model& model) {
                                      : std::bit_cast<std::uint32_t>(model.share_given[e]);
       }
     }
-    base += std::size_t{slice_depth(model, first)} * width;
+    base += std::size_t{slice_depth(model, first)} * slice_width;
   }
   return rings;
 }

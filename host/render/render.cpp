@@ -301,16 +301,16 @@ class Painter {
   Vector3f shade_backdrop(const GridPoint& at, std::optional<PatchLight>& patch) const {
     const double x = static_cast<double>(at.x) / grid, y = static_cast<double>(at.y) / grid;
     const float down = static_cast<float>(y / camera_.height);
-    const Vector3f paper = (1.0f - down) * backdrop_.top + down * backdrop_.bottom;
-    if (!backdrop_.ground) return paper;
+    const Vector3f colour = (1.0f - down) * backdrop_.top + down * backdrop_.bottom;
+    if (!backdrop_.ground) return colour;
     const std::optional<Vector3f> place = floor_at(x, y);
-    if (!place) return paper;
+    if (!place) return colour;
     if (!patch) patch = patch_light(static_cast<unsigned>(at.x / grid), static_cast<unsigned>(at.y / grid));
     // The floor has the backdrop's colour, so only shadow makes it visible; light reflected by walls and body
     // keeps the shadow from being black.
     constexpr float thrown_back = 0.12f;
     const Vector3f share = irradiance(lamps_, *patch, *place, Vector3f::UnitY()).cwiseQuotient(free_ground_);
-    return paper.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
+    return colour.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
   }
 
   Vector3f shade(std::uint32_t f, const GridPoint& at) const {

@@ -12,7 +12,7 @@
 namespace fascicle::scene {
 namespace {
 
-std::string in_quotes(std::string_view text) {
+std::string shortened_in_quotes(std::string_view text) {
   constexpr std::size_t longest_shown = 80;
   const bool cut = text.size() > longest_shown;
   return '"' + std::string(text.substr(0, longest_shown)) + (cut ? "...\"" : "\"");
@@ -122,7 +122,7 @@ void check_text(const toml::node& node, const Key& key, const std::string& path)
   const auto& allowed = key.allowed;
   if (allowed.empty() || std::find(allowed.begin(), allowed.end(), text->get()) != allowed.end()) return;
   fail(node.source(), path,
-       in_quotes(text->get()) + " is not one of " + list(allowed) +
+       shortened_in_quotes(text->get()) + " is not one of " + list(allowed) +
            base::nearest_name_hint(text->get(), allowed));
 }
 

@@ -20,13 +20,6 @@ namespace {
 using model::Model;
 using scene::Vector3d;
 
-Vector3d metres(const Model& m, std::uint32_t i) {
-  Vector3d p;
-  for (std::size_t a = 0; a < 3; ++a)
-    p[static_cast<Eigen::Index>(a)] = m.rest_origin[a] + m.unit * double{m.rest[3 * std::size_t{i} + a]};
-  return p;
-}
-
 // The render mesh has the file's vertices and triangles in the file's order, at the file's positions.
 void expect_own_surface(const Model& model, const mesh::SurfaceMesh& surface, double scale) {
   ASSERT_EQ(model.surface_count(), surface.vertices.size());
@@ -47,13 +40,6 @@ double enclosed_volume(const mesh::SurfaceMesh& surface) {
   for (const auto& t : surface.triangles)
     volume += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]])) / 6.0;
   return std::abs(volume);
-}
-
-scene::Layer layer_named(const std::string& name, const scene::Where& where = {}) {
-  scene::Layer layer;
-  layer.name = name;
-  layer.where = where;
-  return layer;
 }
 
 TEST(Assets, TheBunnyInThreeLayers) {

@@ -22,7 +22,7 @@ using mesh::SurfaceMesh;
 using scene::Vector3d;
 using Fate = build::OpenEnd::Fate;
 
-constexpr std::uint32_t around = 24;
+constexpr std::uint32_t sides = 24;
 
 // A tube along y from `low` to `high` around (x, 0), open at the given ends.
 SurfaceMesh upright(double x, double low, double high, double radius, bool open_low, bool open_high) {
@@ -30,7 +30,7 @@ SurfaceMesh upright(double x, double low, double high, double radius, bool open_
   constexpr double step = 0.025;
   const int rings = static_cast<int>(std::lround((high - low) / step));
   for (int k = 0; k <= rings; ++k) line.emplace_back(x, low + (high - low) * k / rings, 0);
-  SurfaceMesh mesh = tube(line, radius, around);
+  SurfaceMesh mesh = tube(line, radius, sides);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size()) - 2;
   std::erase_if(mesh.triangles, [&](const auto& t) {
     return (open_low && t[0] == first) || (open_high && t[0] == first + 1);
@@ -101,14 +101,14 @@ TEST(Caps, CloseATube) {
   const auto ends = ends_of(pipe);
   ASSERT_EQ(ends.size(), 2u);
   // A regular 24-gon; opposite corners are two radii apart.
-  const double area = 0.5 * around * 0.01 * std::sin(2.0 * 3.14159265358979 / around);
+  const double area = 0.5 * sides * 0.01 * std::sin(2.0 * 3.14159265358979 / sides);
   for (const build::OpenEnd& end : ends) {
     EXPECT_EQ(end.fate, Fate::closed);
-    EXPECT_EQ(end.loop.size(), around);
+    EXPECT_EQ(end.loop.size(), sides);
     EXPECT_NEAR(end.width, 0.2, 1e-9);
     EXPECT_NEAR(area_of(pipe, end), area, 1e-9);
   }
-  EXPECT_EQ(odd_edges(pipe), 2 * around);
+  EXPECT_EQ(odd_edges(pipe), 2 * sides);
   EXPECT_EQ(odd_edges(build::with_caps(pipe, ends)), 0u);
 }
 

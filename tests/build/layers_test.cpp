@@ -20,20 +20,6 @@ namespace {
 using model::Model;
 using scene::Vector3d;
 
-scene::Layer layer_named(const std::string& name, const scene::Where& where = {}) {
-  scene::Layer layer;
-  layer.name = name;
-  layer.where = where;
-  return layer;
-}
-
-Vector3d metres(const Model& m, std::uint32_t i) {
-  Vector3d p;
-  for (std::size_t a = 0; a < 3; ++a)
-    p[static_cast<Eigen::Index>(a)] = m.rest_origin[a] + m.unit * double{m.rest[3 * std::size_t{i} + a]};
-  return p;
-}
-
 // The bar's grid spacing is 0.02 m, so an offset of 1e-6 m separates all vertices.
 using Holds = std::function<bool(const Vector3d&)>;
 void expect_shape(const scene::Shape& shape, const Holds& holds) {

@@ -27,6 +27,22 @@ inline scene::Scene bar_scene() {
   return scene;
 }
 
+inline scene::Layer layer_named(const std::string& name, const scene::Where& where = {}) {
+  scene::Layer layer;
+  layer.name = name;
+  layer.where = where;
+  return layer;
+}
+
+// The rest position of vertex `i`, in metres.
+inline scene::Vector3d metres(const model::Model& model, std::uint32_t i) {
+  scene::Vector3d p;
+  for (std::size_t a = 0; a < 3; ++a)
+    p[static_cast<Eigen::Index>(a)] =
+        model.rest_origin[a] + model.unit * double{model.rest[3 * std::size_t{i} + a]};
+  return p;
+}
+
 inline build::BuildOptions with_mesher() {
   build::BuildOptions options;
   options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";

@@ -240,25 +240,11 @@ TEST(Alembic, OneFrameAndManyFrames) {
   }
 }
 
-// The standard output of a command.
-std::string output_of(const std::string& command) {
-  FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return "";
-  std::string text;
-  char block[4096];
-  for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, pipe)) > 0;)
-    text.append(block, count);
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  return text;
-}
-
 TEST(Usd, IsReadByOtherPrograms) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
   write_frames(formats::format_named("usda").make(), folded_sheet(), folder / "");
-  const nlohmann::json usd =
-      nlohmann::json::parse(output_of("node '" + (node_readers() / "read_usda.mjs").string() + "' '" +
-                                      (folder / "surface.usda").string() + "'"));
+  const nlohmann::json usd = nlohmann::json::parse(read_by_node("read_usda.mjs", folder / "surface.usda"));
   EXPECT_EQ(usd["stage"]["upAxis"], "Y");
   EXPECT_EQ(usd["stage"]["metersPerUnit"], 1);
   EXPECT_EQ(usd["stage"]["timeCodesPerSecond"], 8);

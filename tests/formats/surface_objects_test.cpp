@@ -3,7 +3,6 @@
 #include "host/formats/surface_objects.h"
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <random>
@@ -341,25 +340,13 @@ TEST(RestMesh, HasUvsAndMaterials) {
   EXPECT_NE(read_text(folder / "rest.mtl").find("map_Kd textures/image_000.png\n"), std::string::npos);
 }
 
-std::string output_of(const std::string& command) {
-  FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return "";
-  std::string text;
-  char block[4096];
-  for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, pipe)) > 0;)
-    text.append(block, count);
-  EXPECT_EQ(::pclose(pipe), 0) << command;
-  return text;
-}
-
 TEST(Usd, HoldsObjectsMaterialsUvsAndVelocities) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
   write_dressed_frames(formats::format_named("usda").make(), folder / "", {.first_number = 1001});
   EXPECT_FALSE(fs::exists(folder / "surface.usda.samples.part"));
   EXPECT_EQ(read_text(folder / "textures/image_000.png"), "no picture");
-  const json usd = json::parse(output_of("node '" + (node_readers() / "read_usda.mjs").string() + "' '" +
-                                         (folder / "surface.usda").string() + "'"));
+  const json usd = json::parse(read_by_node("read_usda.mjs", folder / "surface.usda"));
   EXPECT_EQ(usd["meshes"], 2);
   const json& specs = usd["specs"];
   EXPECT_EQ(usd["stage"]["defaultPrim"], "body");

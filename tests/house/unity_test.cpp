@@ -1,6 +1,6 @@
 // Presets release, asan and tsan are unity builds: they compile several sources of a folder as one, in groups
-// that change with every new source. So names local to a source must be unique in its folder. CI compiles
-// sources separately and would not notice: `./do bake` once failed in a clean clone.
+// that change with every new source. So names local to a source must be unique in its folder, or a new source
+// makes others clash.
 #include <map>
 #include <regex>
 #include <set>

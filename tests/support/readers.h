@@ -3,6 +3,7 @@
 // if FASCICLE_REQUIRE_READERS=1 (Node.js) or FASCICLE_REQUIRE_BLENDER=1.
 #pragma once
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -23,6 +24,19 @@ inline std::filesystem::path node_readers() {
 inline bool have_node_readers() {
   return std::filesystem::exists(node_readers() / "node_modules") &&
          std::system("node --version > /dev/null 2>&1") == 0;
+}
+
+// What a script for Node.js, of tests/readers, prints about a file.
+inline std::string read_by_node(const std::string& script, const std::filesystem::path& file) {
+  const std::string command = "node '" + (node_readers() / script).string() + "' '" + file.string() + "'";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return "";
+  std::string text;
+  char block[4096];
+  for (std::size_t count = 0; (count = std::fread(block, 1, sizeof block, pipe)) > 0;)
+    text.append(block, count);
+  EXPECT_EQ(::pclose(pipe), 0) << command;
+  return text;
 }
 
 inline bool have_blender() {
