@@ -8,8 +8,10 @@ RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
 for test in test_mesh:MeshFile.SurvivesDamage test_scene:'SceneFuzz.*' test_convert:'FromBlender.*damaged*'; do
   "$build/${test%%:*}" --gtest_filter="${test#*:}" --gtest_shuffle --gtest_random_seed=1 --gtest_repeat=20
 done
-# Characters that CI skips.
+# Characters, and presets of a scene, that CI skips.
 "$build/test_flesh" --gtest_filter='*Soak.*'
+"$build/test_studio" --gtest_filter='*Soak.*'
+"$build/test_build" --gtest_filter='*Soak*'
 # Device failures at 200 different calls.
 FASCICLE_FAULT_POINTS=200 "$build/test_cli" --gtest_filter='DeviceFaults.*'
 # Ten million damaged messages to the studio.

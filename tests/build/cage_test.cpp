@@ -613,8 +613,9 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
 // A quarter of the default, to save time, if the thinnest parts allow it.
 INSTANTIATE_TEST_SUITE_P(Files, CagesOfAssets,
                          ::testing::Values(std::pair{"CesiumMan.glb", 5000u},
-                                           std::pair{"animals_pack_Fox.glb", 5000u},
-                                           std::pair{"mh_fat_selfint.glb", 20000u}));
+                                           std::pair{"animals_pack_Fox.glb", 5000u}));
+INSTANTIATE_TEST_SUITE_P(LargeSoak, CagesOfAssets,
+                         ::testing::Values(std::pair{"mh_fat_selfint.glb", 20000u}));
 
 }  // namespace
 }  // namespace fascicle::tests

@@ -93,7 +93,7 @@ TEST(InsideOutSoak, AMuscularMansJumpTurnsNoMoreTetrahedraThanSkinning) {
 }
 
 // A loop cut from a run: its first and last frames are in full motion.
-TEST(InsideOut, AFoxsGallopTurnsNoMoreTetrahedraThanSkinning) {
+TEST(InsideOutSoak, AFoxsGallopTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Fox.glb"));
   expect_no_more_than_skinning("animals_pack_Fox.glb", "AnimalArmature|Gallop");
 }

@@ -92,7 +92,7 @@ TEST(LookOfCharacters, ABullTooSoftForItsGallopIsForeseen) {
 
 // Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. When the
 // lower jaw was free flesh attached to the upper one, the mouth opened half way and the teeth were strained.
-TEST(LookOfCharacters, ADinosaursMouthOpens) {
+TEST(LookOfCharactersSoak, ADinosaursMouthOpens) {
   FASCICLE_NEEDS_ASSET(asset("dinosaurs_pack_Trex.glb"));
   EXPECT_LT(worst_look("dinosaurs_pack_Trex.glb", {.clip = "Attack"}), 1.0);
   EXPECT_GT(worst_look("dinosaurs_pack_Trex.glb",
@@ -139,7 +139,7 @@ TEST(LookOfCharactersSoak, AHeavyMansLandingShakesLessWithViscosity) {
 
 // Its hocks used to crumple at gaps in the bone layer. The control: flesh thirty times as soft swings off its
 // bones.
-TEST(LookOfCharacters, ABullsLegsStayOnTheirBones) {
+TEST(LookOfCharactersSoak, ABullsLegsStayOnTheirBones) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
   EXPECT_LT(worst_look("animals_pack_Bull.glb", {.end = 0.5, .clip = "Gallop_Jump"}), 1.0);
   EXPECT_GT(worst_look("animals_pack_Bull.glb", {.end = 0.5, .clip = "Gallop_Jump", .softness = 30.0}, 1.0),

@@ -1,8 +1,9 @@
 // Properties of random bodies and parameters (rapidcheck): what is built and stepped stays finite, or is
 // refused with a message that names the cause; and stepping gives the same bits on Vulkan.
-// RC_PARAMS="max_success=10000" makes it a soak test.
+// 50 cases each; RC_PARAMS="max_success=10000" makes it a soak test.
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -113,6 +114,7 @@ class Properties : public testing::Test {
  protected:
   // One device for all cases: opening it takes longer than a case.
   static void SetUpTestSuite() {
+    ::setenv("RC_PARAMS", "max_success=50", 0);
     std::string why;
     if (const auto index = usable_device(why))
       device_ = std::make_unique<gpu::Device>(*index);
@@ -128,8 +130,8 @@ class Properties : public testing::Test {
     RecordProperty("built", built_);
     RecordProperty("refused", refused_);
     RecordProperty("compared_with_vulkan", compared_);
-    // A quarter of the built bodies are compared; with 50 of them, the chance of no comparison is 6e-7.
-    if (device_ && built_ >= 50) {
+    // A quarter of the built bodies are compared; with 40 of them, the chance of no comparison is 1e-5.
+    if (device_ && built_ >= 40) {
       EXPECT_GT(compared_, 0);
     }
   }
@@ -192,7 +194,7 @@ TEST_F(Properties, RandomBarsStayFinite) {
     bar.seed = *rc::gen::arbitrary<std::uint64_t>();
     check(random_scene(bar));
   }));
-  EXPECT_GT(built_, 50) << "most random bars are valid";
+  EXPECT_GT(built_, 25) << "most random bars are valid";
 }
 
 // Random points, some coincident or coplanar, and tetrahedra of any four of them.
@@ -241,7 +243,7 @@ mesh::TetMesh grown_mesh() {
 
 TEST_F(Properties, GrownMeshesStayFinite) {
   EXPECT_TRUE(rc::check("a grown mesh stays finite", [&] { check(random_scene(grown_mesh())); }));
-  EXPECT_GT(built_, 50);
+  EXPECT_GT(built_, 25);
 }
 
 // A valid mesh with up to two defects.
@@ -276,8 +278,8 @@ TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
     }
     check(random_scene(mesh));
   }));
-  EXPECT_GT(built_, 10) << "a third of the meshes are undamaged";
-  EXPECT_GT(refused_, 10) << "most damage is harmful";
+  EXPECT_GT(built_, 3) << "a third of the meshes are undamaged";
+  EXPECT_GT(refused_, 3) << "most damage is harmful";
 }
 
 // An octahedron, subdivided twice, its vertices at random distances from the centre: closed and star-shaped,
@@ -321,7 +323,7 @@ TEST_F(Properties, RandomSurfacesAroundBonesStayFinite) {
     scene.layers.push_back(bone);
     check(scene, options);
   }));
-  EXPECT_GT(built_, 30) << "a layer of at least 0.4 around a bone usually contains a vertex";
+  EXPECT_GT(built_, 12) << "a layer of at least 0.4 around a bone usually contains a vertex";
 }
 
 }  // namespace
