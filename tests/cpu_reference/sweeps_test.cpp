@@ -272,7 +272,7 @@ TEST(Sweeps, OfALargeBodyKeepTheBits) {
     BarOptions bar;
     std::uint32_t substeps;
   };
-  const BarOptions large{.x = 220, .y = 12, .z = 12, .surface = false};
+  const BarOptions large{.x = 220, .y = 16, .z = 16, .surface = false};
   BarOptions posed = large, tied = large, touching = large, held = large, soft = large;
   posed.skeleton = posed.carried = posed.cuts = posed.muscle = posed.forces = posed.volume = true;
   tied.ties = true;
