@@ -12,6 +12,7 @@
 #include "host/bake/manifest.h"
 #include "host/bake/outputs.h"
 #include "host/base/part_file.h"
+#include "host/base/text.h"
 #include "host/formats/blender_script.h"
 #include "host/formats/formats.h"
 #include "host/formats/rest_mesh.h"
