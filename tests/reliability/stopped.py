@@ -209,7 +209,7 @@ class Batch:
         hold(process.returncode == (INTERRUPTED if stopped else DONE),
              "%s: one of its bakes got signal %d, and the batch exited with %d: %s" % (
                  folder, number, process.returncode, text))
-        hold(not stopped or re.search(r"bar-0\.\d: interrupted", text),
+        hold(not stopped or re.search(r"bar-0\.\d on \S+: interrupted", text),
              "%s: it does not name the interrupted job: %s" % (folder, text))
         self.run(folder, "--resume")
         hold(self.files_in(folder) == self.whole, folder + ": bytes differ")
