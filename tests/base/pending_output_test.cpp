@@ -17,7 +17,7 @@
 #include "host/base/helper_program.h"
 #include "host/base/sandbox.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::pending_output_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ TEST_F(PendingOutputTest, ListensOnlyWhileItIsThere) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::pending_output_test

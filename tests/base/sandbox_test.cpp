@@ -26,7 +26,7 @@
 #include "host/base/helper_program.h"
 #include "host/base/pending_output.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::sandbox_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -237,4 +237,4 @@ TEST_F(Sandbox, LetsAProgramEndItself) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::sandbox_test

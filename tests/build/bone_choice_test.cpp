@@ -12,7 +12,7 @@
 #include "tests/build/surfaces.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::bone_choice_test {
 namespace {
 
 using build::BoneChoice;
@@ -456,4 +456,4 @@ TEST(BoneChoice, OfAWalkingMan) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::bone_choice_test

@@ -15,7 +15,7 @@
 #include "tests/build/made_surfaces.h"
 #include "tests/build/scenes.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::caps_test {
 namespace {
 
 using mesh::SurfaceMesh;
@@ -220,4 +220,4 @@ TEST(Caps, MakeLimbsSolid) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::caps_test

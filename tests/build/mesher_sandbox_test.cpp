@@ -17,7 +17,7 @@
 #include "host/base/sandbox.h"
 #include "host/build/mesher.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::mesher_sandbox_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -131,4 +131,4 @@ TEST_F(MesherSandbox, ReadsNoFileThatItWasNotGivenAtTheStart) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::mesher_sandbox_test

@@ -11,7 +11,7 @@
 #include "host/scene/scene.h"
 #include "host/scene/scene_file.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::parts_test {
 namespace {
 
 using build::Vector3d;
@@ -98,4 +98,4 @@ TEST(Parts, OnlyTheFleshOfTheJointsNamedIsFree) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::parts_test

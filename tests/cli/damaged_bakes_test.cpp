@@ -15,7 +15,7 @@
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::damaged_bakes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -284,4 +284,4 @@ TEST_F(DamagedBake, ACheckpointIsHeldAgainstTheModel) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::damaged_bakes_test

@@ -9,7 +9,7 @@
 #include "host/scene/paint_file.h"
 #include "tests/cli/program.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::paint_test {
 namespace {
 
 using nlohmann::json;
@@ -101,4 +101,4 @@ TEST_F(PaintCommand, RefusesWhatItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::paint_test

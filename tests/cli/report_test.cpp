@@ -17,7 +17,7 @@
 #include "host/bake/sealed_json.h"
 #include "tests/cli/program.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ TEST(ValidateHtml, ShowsWhatSubstepsCost) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::report_test

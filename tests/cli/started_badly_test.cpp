@@ -17,7 +17,7 @@
 
 #include "tests/cli/program.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::started_badly_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -256,4 +256,4 @@ TEST_F(LinkedOutputs, AreNotResumed) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::started_badly_test

@@ -3,7 +3,7 @@
 
 #include "tests/cpu_reference/collide_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::collide_body_test {
 
 namespace {
 
@@ -188,4 +188,4 @@ TEST(CollideBody, WhatFallsNeverHasMoreEnergyThanItFellWith) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::collide_body_test

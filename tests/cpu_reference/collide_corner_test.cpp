@@ -1,7 +1,7 @@
 // Vertices in corners of several solids end outside all of them.
 #include "tests/cpu_reference/collide_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::collide_corner_test {
 
 namespace {
 
@@ -156,4 +156,4 @@ TEST(CollideCorner, NoRoomThrowsNothing) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::collide_corner_test

@@ -3,7 +3,7 @@
 #include "tests/cpu_reference/collide_models.h"
 #include "tests/support/bar_model.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::collide_oracle_test {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST(Collide, WhereNothingTouchesNoBitChanges) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::collide_oracle_test

@@ -8,7 +8,7 @@
 #include "cpu_reference/solver/collide_stages.h"
 #include "tests/cpu_reference/collide_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::collide_reach_test {
 
 namespace {
 
@@ -254,4 +254,4 @@ TEST(CollideReach, WhatIsFarIsRejected) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::collide_reach_test

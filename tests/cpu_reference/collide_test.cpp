@@ -2,7 +2,7 @@
 // still, move and rotate, in the Oracle and in CpuSolver, explicit and implicit.
 #include "tests/cpu_reference/collide_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::collide_test {
 
 namespace {
 
@@ -284,4 +284,4 @@ TEST(Collide, WhatIsHeldIsNotPushedAndWhatIsNoNumberTouchesNothing) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::collide_test

@@ -20,7 +20,7 @@
 #include "tests/cpu_reference/plain_contact_search.h"
 #include "tests/cpu_reference/two_blocks.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::contact_implicit_test {
 
 namespace {
 
@@ -359,4 +359,4 @@ TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::contact_implicit_test

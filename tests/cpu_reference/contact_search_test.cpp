@@ -24,7 +24,7 @@
 #include "tests/cpu_reference/plain_contact_search.h"
 #include "tests/cpu_reference/two_blocks.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::contact_search_test {
 namespace {
 
 namespace cpu = cpu_reference;
@@ -555,4 +555,4 @@ TEST(ContactSearch, AnotherOrderOfSummationWouldBeSeen) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::contact_search_test

@@ -21,7 +21,7 @@
 #include "tests/cpu_reference/two_blocks.h"
 #include "tests/support/bar_model.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::contact_test {
 
 namespace {
 
@@ -610,4 +610,4 @@ TEST(Contact, WithoutAMeetingNothingChanges) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::contact_test

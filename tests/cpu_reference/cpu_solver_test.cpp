@@ -14,7 +14,7 @@
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::cpu_solver_test {
 
 namespace {
 
@@ -274,4 +274,4 @@ TEST(CpuSolver, RefusesWhatDoesNotFit) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::cpu_solver_test

@@ -22,7 +22,7 @@
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::implicit_test {
 
 namespace {
 
@@ -463,4 +463,4 @@ TEST(Implicit, RefusesAStateWhoseSubstepBeforeIsNotWhole) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::implicit_test

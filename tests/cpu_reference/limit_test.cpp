@@ -18,7 +18,7 @@
 #include "tests/support/limit_models.h"
 #include "tests/support/test_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::limit_test {
 
 namespace {
 
@@ -284,4 +284,4 @@ TEST(Limit, TheBarThatOtherTestsBendIsCrushed) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::limit_test

@@ -11,7 +11,7 @@
 
 #include "cpu_reference/oracle/oracle_equations.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::muscle_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -89,4 +89,4 @@ TEST(Muscle, BulgesByWhatContractsAlongTheFibre) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::muscle_test

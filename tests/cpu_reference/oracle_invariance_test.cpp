@@ -8,7 +8,7 @@
 #include "tests/cpu_reference/mapped_scene.h"
 #include "tests/cpu_reference/oracle_run.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::oracle_invariance_test {
 namespace {
 
 using cpu_reference::Oracle;
@@ -243,4 +243,4 @@ TEST(OracleInvariance, CarriedFrameChangesNothing) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::oracle_invariance_test

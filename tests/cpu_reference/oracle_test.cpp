@@ -10,7 +10,7 @@
 
 #include "tests/cpu_reference/oracle_run.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::oracle_test {
 namespace {
 
 using cpu_reference::Oracle;
@@ -363,4 +363,4 @@ TEST(OracleFrame, ProbeSeesEveryStageInOrder) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::oracle_test

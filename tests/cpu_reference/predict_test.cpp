@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-namespace fascicle::tests {
+namespace fascicle::tests::predict_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -74,4 +74,4 @@ TEST(Predict, StartsAsTheFormulaSays) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::predict_test

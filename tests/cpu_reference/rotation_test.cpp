@@ -12,7 +12,7 @@
 
 #include "cpu_reference/oracle/oracle_equations.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::rotation_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -230,4 +230,4 @@ TEST(Rotation, TooSmallAMomentKeepsTheRotation) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::rotation_test

@@ -12,7 +12,7 @@
 #include "shaders/buffers.h"
 #include "shaders/kernel/self_test.inc"
 
-namespace fascicle::tests {
+namespace fascicle::tests::self_test_operations_test {
 namespace {
 
 // A sum, difference or product of floats, rounded once to float: the detour over double does not change it,
@@ -93,4 +93,4 @@ TEST(SelfTestOperations, OfAPositiveNumberAreItsReciprocals) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::self_test_operations_test

@@ -14,7 +14,7 @@
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/sliding_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::tie_test {
 
 namespace {
 
@@ -272,4 +272,4 @@ TEST(Tie, TheImplicitIntegratorFeedsNoOscillation) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::tie_test

@@ -15,7 +15,7 @@
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::volume_test {
 
 namespace {
 
@@ -254,4 +254,4 @@ TEST(Volume, UndampedMotionDoesNotGrow) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::volume_test

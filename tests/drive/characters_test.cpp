@@ -19,7 +19,7 @@
 #include "tests/drive/character_walk.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::characters_test {
 
 namespace {
 
@@ -272,4 +272,4 @@ TEST(Characters, OnesFromFilesAreInOneGltf) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::characters_test

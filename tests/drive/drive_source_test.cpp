@@ -8,7 +8,7 @@
 
 #include "host/rig/pose.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::drive_source_test {
 namespace {
 
 using drive::DriveSource;
@@ -282,4 +282,4 @@ TEST(DriveSource, refuses_models_of_other_scenes_and_frame_zero) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::drive_source_test

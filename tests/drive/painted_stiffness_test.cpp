@@ -12,7 +12,7 @@
 #include "host/made/made_character.h"
 #include "host/scene/scene.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::painted_stiffness_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -196,4 +196,4 @@ TEST(PaintedStiffness, ARodHalfOfWhichIsStifferStretchesByTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::painted_stiffness_test

@@ -15,7 +15,7 @@
 #include "host/scene/solids.h"
 #include "tests/drive/character_walk.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::props_test {
 
 namespace {
 
@@ -338,4 +338,4 @@ TEST_F(Props, AHeldOneDoesNotJump) {
 
 }  // namespace
 
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::props_test

@@ -14,7 +14,7 @@
 #include "tests/gltf/gltf_viewer.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::gltf_hung_test {
 namespace {
 
 using Eigen::Matrix4d;
@@ -334,4 +334,4 @@ TEST_P(HungGltf, is_whole_and_moves_as_a_viewer_shows_it) {
 INSTANTIATE_TEST_SUITE_P(Real, HungGltf, testing::Values("RobotExpressive.glb"));
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::gltf_hung_test

@@ -13,7 +13,7 @@
 #include "tests/gltf/gltf_builder.h"
 #include "tests/gltf/gltf_viewer.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::gltf_shapes_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -121,4 +121,4 @@ TEST(GltfShapes, integer_targets) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::gltf_shapes_test

@@ -12,7 +12,7 @@
 #include "tests/gltf/gltf_viewer.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::gltf_test {
 namespace {
 
 using Eigen::Matrix4d;
@@ -489,4 +489,4 @@ INSTANTIATE_TEST_SUITE_P(Real, RestPose,
                                          "mh_fat_selfint.glb"));
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::gltf_test

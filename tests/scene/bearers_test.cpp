@@ -9,7 +9,7 @@
 #include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::bearers_test {
 namespace {
 
 using namespace scene;
@@ -125,4 +125,4 @@ TEST(Bearers, RefuseWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::bearers_test

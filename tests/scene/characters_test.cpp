@@ -11,7 +11,7 @@
 #include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::characters_test {
 namespace {
 
 using namespace scene;
@@ -211,4 +211,4 @@ TEST(Characters, SolidsGoWithTheJointsOfEach) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::characters_test

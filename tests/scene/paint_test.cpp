@@ -14,7 +14,7 @@
 #include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::paint_test {
 namespace {
 
 using nlohmann::json;
@@ -350,4 +350,4 @@ TEST(ScenePaint, ATextCanStandForTheFile) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::paint_test

@@ -10,7 +10,7 @@
 #include "tests/scene/scene_samples.h"
 #include "tests/support/assets.h"
 
-namespace fascicle::tests {
+namespace fascicle::tests::wishes_test {
 namespace {
 
 using scene::Scene;
@@ -126,4 +126,4 @@ TEST(Wishes, TheDocumentedTextNamesEveryKey) {
 }
 
 }  // namespace
-}  // namespace fascicle::tests
+}  // namespace fascicle::tests::wishes_test
