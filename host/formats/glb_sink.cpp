@@ -16,9 +16,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
-#include <set>
 
 #include <Eigen/Eigenvalues>
 
@@ -28,6 +26,7 @@
 #include "host/formats/character_file.h"
 #include "host/formats/formats.h"
 #include "host/formats/glb_compress.h"
+#include "host/formats/glb_document.h"
 #include "host/formats/glb_targets.h"
 #include "host/formats/gltf_writer.h"
 #include "host/formats/surface.h"
@@ -80,8 +79,6 @@ class GlbSink final : public FrameSink {
   GlbFrame frame_of(const model::Frame& frame) const;
   void write_target(const GlbFrame& frame);
   Piece write_part(const gltf::RigPart& part, std::size_t first, const GlbFrame& frame);
-  std::vector<std::size_t> own_meshes(json& document) const;
-  void add_still_targets(json& document, const std::vector<std::size_t>& meshes) const;
   void add_targets(json& document, const std::vector<std::size_t>& meshes);
   json targets_of(std::size_t part, std::size_t first_accessor) const;
   std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
@@ -279,45 +276,6 @@ Piece GlbSink::write_part(const gltf::RigPart& part, std::size_t first, const Gl
   return piece;
 }
 
-// Removes the source's morph targets' channels: the baked clip's targets include their effect on the surface.
-// `kept`: leading animations that stay even if empty.
-void drop_weight_channels(json& animations, std::size_t kept) {
-  for (json& animation : animations) {
-    json others = json::array();
-    for (const json& channel : animation.value("channels", json::array()))
-      if (channel.value("target", json::object()).value("path", std::string()) != "weights")
-        others.push_back(channel);
-    animation["channels"] = std::move(others);
-  }
-  auto& list = animations.get_ref<json::array_t&>();
-  const auto first = list.begin() + static_cast<std::ptrdiff_t>(std::min(kept, list.size()));
-  list.erase(
-      std::remove_if(first, list.end(), [](const json& animation) { return animation["channels"].empty(); }),
-      list.end());
-}
-
-// The mesh of each part. If several nodes share a mesh, all but the first get a copy.
-std::vector<std::size_t> GlbSink::own_meshes(json& document) const {
-  std::vector<std::size_t> meshes;
-  std::vector<std::uint32_t> taken;
-  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
-    const gltf::RigPart& part = rig_.parts[p];
-    if (p > 0 && part.node == rig_.parts[p - 1].node) {
-      meshes.push_back(meshes.back());
-      continue;
-    }
-    std::size_t mesh = part.mesh;
-    if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
-      document["meshes"].push_back(json(document["meshes"][part.mesh]));
-      mesh = document["meshes"].size() - 1;
-      document["nodes"][part.node]["mesh"] = mesh;
-    }
-    taken.push_back(part.mesh);
-    meshes.push_back(mesh);
-  }
-  return meshes;
-}
-
 // The targets' accessors start at `first_accessor`: POSITION and NORMAL (if the part has one) for each part,
 // target by target.
 json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
@@ -335,22 +293,6 @@ json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
     list.push_back(std::move(target));
   }
   return list;
-}
-
-// All primitives of a mesh need the same number of targets, so those outside the rig (lines) get targets that
-// move nothing.
-void GlbSink::add_still_targets(json& document, const std::vector<std::size_t>& meshes) const {
-  std::map<std::size_t, std::set<std::size_t>> in_rig;
-  for (std::size_t p = 0; p < rig_.parts.size(); ++p) in_rig[meshes[p]].insert(rig_.parts[p].primitive);
-  for (const auto& [mesh, primitives] : in_rig) {
-    json& list = document["meshes"][mesh]["primitives"];
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      if (primitives.contains(k) || !list[k]["attributes"].contains("POSITION")) continue;
-      const std::size_t position = list[k]["attributes"]["POSITION"];
-      const std::size_t still = add_still_accessor(document, document["accessors"][position]["count"]);
-      list[k]["targets"] = std::vector<json>(targets_.size(), json{{"POSITION", still}});
-    }
-  }
 }
 
 // Adds the targets to the primitives, and their weights to the animation.
@@ -388,7 +330,7 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
   const std::size_t sampler = animation["samplers"].size();
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
 
-  add_still_targets(document, meshes);
+  add_still_targets(document, rig_, meshes, targets_.size());
   json names = json::array();
   for (const std::uint64_t frame : targets_)
     names.push_back("frame " + base::number_text(info_.first_number + frame));
@@ -442,7 +384,7 @@ std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t fra
 
 void GlbSink::finish() {
   json& document = document_.json;
-  const std::vector<std::size_t> meshes = own_meshes(document);
+  const std::vector<std::size_t> meshes = own_meshes(document, rig_);
   if (compression_) compression_->quantise(document_, meshes);
   add_targets(document, meshes);
   json& extras = document["extras"]["fascicle"];

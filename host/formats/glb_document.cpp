@@ -1,0 +1,67 @@
+#include "host/formats/glb_document.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "host/formats/gltf_writer.h"
+
+namespace fascicle::formats {
+
+using nlohmann::json;
+
+void drop_weight_channels(json& animations, std::size_t kept) {
+  for (json& animation : animations) {
+    json others = json::array();
+    for (const json& channel : animation.value("channels", json::array()))
+      if (channel.value("target", json::object()).value("path", std::string()) != "weights")
+        others.push_back(channel);
+    animation["channels"] = std::move(others);
+  }
+  auto& list = animations.get_ref<json::array_t&>();
+  const auto first = list.begin() + static_cast<std::ptrdiff_t>(std::min(kept, list.size()));
+  list.erase(
+      std::remove_if(first, list.end(), [](const json& animation) { return animation["channels"].empty(); }),
+      list.end());
+}
+
+std::vector<std::size_t> own_meshes(json& document, const gltf::Rig& rig) {
+  std::vector<std::size_t> meshes;
+  std::vector<std::uint32_t> taken;
+  for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+    const gltf::RigPart& part = rig.parts[p];
+    if (p > 0 && part.node == rig.parts[p - 1].node) {
+      meshes.push_back(meshes.back());
+      continue;
+    }
+    std::size_t mesh = part.mesh;
+    if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
+      document["meshes"].push_back(json(document["meshes"][part.mesh]));
+      mesh = document["meshes"].size() - 1;
+      document["nodes"][part.node]["mesh"] = mesh;
+    }
+    taken.push_back(part.mesh);
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+void add_still_targets(json& document, const gltf::Rig& rig, const std::vector<std::size_t>& meshes,
+                       std::size_t count) {
+  std::map<std::size_t, std::set<std::size_t>> in_rig;
+  for (std::size_t p = 0; p < rig.parts.size(); ++p) in_rig[meshes[p]].insert(rig.parts[p].primitive);
+  for (const auto& [mesh, primitives] : in_rig) {
+    json& list = document["meshes"][mesh]["primitives"];
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (primitives.contains(k) || !list[k]["attributes"].contains("POSITION")) continue;
+      const std::size_t position = list[k]["attributes"]["POSITION"];
+      const std::size_t still = add_still_accessor(document, document["accessors"][position]["count"]);
+      list[k]["targets"] = std::vector<json>(count, json{{"POSITION", still}});
+    }
+  }
+}
+
+}  // namespace fascicle::formats

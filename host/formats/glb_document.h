@@ -1,0 +1,25 @@
+// What morph targets change in the rest of a character's glTF document.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "host/gltf/gltf_rig.h"
+
+namespace fascicle::formats {
+
+// Removes the channels of the source's own morph targets: the baked clip's targets include their effect on
+// the surface. Animations without channels are dropped, but not the first `kept`.
+void drop_weight_channels(nlohmann::json& animations, std::size_t kept);
+
+// The mesh of each part of the rig. If several nodes share a mesh, all but the first get a copy.
+std::vector<std::size_t> own_meshes(nlohmann::json& document, const gltf::Rig& rig);
+
+// All primitives of a mesh need the same number of targets: those outside the rig (lines) get `count` targets
+// that move nothing. `meshes`: of the parts, from own_meshes().
+void add_still_targets(nlohmann::json& document, const gltf::Rig& rig, const std::vector<std::size_t>& meshes,
+                       std::size_t count);
+
+}  // namespace fascicle::formats
