@@ -15,9 +15,12 @@ thread_local bool memory_is_out = false;
 }  // namespace
 
 // Also replaces operator new of the library: the program's definition takes precedence. Not inline, or GCC
-// warns that a free() does not match its new.
+// warns that a free() does not match its new. All forms, as the address sanitizer's own do not match free().
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return memory_is_out ? nullptr : std::malloc(size == 0 ? 1 : size);
+}
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  void* const memory = memory_is_out ? nullptr : std::malloc(size == 0 ? 1 : size);
+  void* const memory = operator new(size, std::nothrow);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
