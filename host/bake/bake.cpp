@@ -40,6 +40,7 @@ BakeResult Run::go() {
   if (resumed) {
     if (std::optional<BakeResult> done = done_without_frames()) return std::move(*done);
     if (std::optional<BakeResult> done = done_before(*resumed)) return std::move(*done);
+    check_kept(resumed->state.frame);
   }
   if (!resumed) {
     refuse_foreign(options_.folder, file_names(model_, options_.formats));
@@ -65,7 +66,7 @@ BakeResult Run::go() {
                 .surface = formats::embed(model_, state.positions),
                 .skinned = state.skinned};
   }
-  if (!interrupted_ && !begin_sinks(resumed ? state.frame + 1 : 0)) {
+  if (!interrupted_ && !begin_sinks(resumed ? &*resumed : nullptr)) {
     set_status(options_.folder, Status::interrupted, "");
     interrupted_ = true;
     progress_.position_hashes.clear();
@@ -188,8 +189,9 @@ void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
   if (regions > clamped_.regions) clamped_ = {regions, frame};
 }
 
-// All earlier frames have been written.
+// All earlier frames have been written. The manifest counts them, so they are synced first.
 void Run::refuse_not_finite(const model::Frame& frame) {
+  for (const auto& sink : sinks_) sink->sync();
   progress_.message = not_finite_text(scene_, model_, frame);
   save_manifest(Status::not_finite, moment());
   throw NotFinite(progress_.message);

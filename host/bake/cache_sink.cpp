@@ -24,16 +24,7 @@ class CacheSink final : public formats::FrameSink {
       file_->write(encode_cache_header(header_));
       return;
     }
-    const FrameCacheReader reader(path);
-    // A bake may be resumed with another end.
-    CacheHeader before = reader.header();
-    before.frames = header_.frames;
-    if (before != header_)
-      throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
-    if (reader.frame_count() < info.first)
-      throw BakeError(path.string() + ": has " + base::number_text(reader.frame_count()) +
-                      " complete frames, but the checkpoint has " + base::number_text(info.first) +
-                      "; start again with --overwrite");
+    const FrameCacheReader reader = frames_to_resume(path, header_, info.first);
     file_.emplace(path, base::FileMode::modify);
     if (reader.header() != header_) file_->write_at(0, encode_cache_header(header_));
     file_->truncate(cache_header_bytes + info.first * cache_record_bytes(header_.vertex_count));

@@ -62,9 +62,13 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
   return found;
 }
 
-void remove_file(const fs::path& path) {
+void refuse_folder(const fs::path& path) {
   if (fs::is_directory(fs::symlink_status(path)))
     throw BakeError(path.string() + ": is a folder; move it away");
+}
+
+void remove_file(const fs::path& path) {
+  refuse_folder(path);
   fs::remove(path);
 }
 
@@ -110,7 +114,10 @@ bool holds_bake(const fs::path& folder) {
          is_checkpoint(folder / checkpoint_name);
 }
 
-void clear_bake(const fs::path& folder) {
+namespace {
+
+// The entries that clear_bake() removes.
+std::vector<std::string> entries_of_bake(const fs::path& folder) {
   const std::vector<std::string> known = all_file_names();
   std::vector<std::string> made = files_listed(folder);
   // Without a manifest, remove only files recognisable as ours.
@@ -122,7 +129,13 @@ void clear_bake(const fs::path& folder) {
   std::erase_if(made, [&](const std::string& entry) {
     return std::find(known.begin(), known.end(), entry) == known.end();
   });
-  remove_files(folder, made);
+  return made;
+}
+
+}  // namespace
+
+void clear_bake(const fs::path& folder) {
+  remove_files(folder, entries_of_bake(folder));
   remove_stage(folder);
 }
 
@@ -190,6 +203,31 @@ void refuse_foreign(const fs::path& folder, const std::vector<std::string>& file
                         (is_listed(entry)
                              ? ": already exists; --overwrite replaces it"
                              : ": would be overwritten, but no bake made it; move it or choose another -o"));
+}
+
+void refuse_to_replace(const fs::path& folder, const std::vector<std::string>& files) {
+  const std::vector<std::string> made = entries_of_bake(folder);
+  for (const std::string& entry : made)
+    for (const fs::path& path : existing(folder, entry)) refuse_folder(path);
+  std::vector<std::string> others = files;
+  std::erase_if(others, [&](const std::string& entry) {
+    return std::find(made.begin(), made.end(), entry) != made.end();
+  });
+  refuse_foreign(folder, others);
+}
+
+void refuse_lost(const fs::path& folder, const std::string& file, std::uint64_t last,
+                 std::uint64_t first_number) {
+  const auto refuse_lost_file = [](const fs::path& path) {
+    const std::vector<fs::path> forms = forms_of(path);
+    if (std::none_of(forms.begin(), forms.end(), [](const fs::path& form) { return fs::exists(form); }))
+      throw BakeError(path.string() +
+                      ": the bake to resume has lost this file; start again with --overwrite");
+  };
+  if (!file.ends_with('/')) return refuse_lost_file(folder / file);
+  const std::string extension = file.substr(0, file.size() - 1);
+  for (std::uint64_t k = 0; k <= last; ++k)
+    refuse_lost_file(folder / extension / formats::frame_file_name(first_number + k, extension));
 }
 
 }  // namespace fascicle::bake

@@ -1,6 +1,7 @@
 // The -o folder: who owns it, and which files in it may be removed.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -53,5 +54,14 @@ class ExportStage {
 // Throws BakeError if one of the `files` (in the form of the manifest's list) already exists: no bake made
 // it.
 void refuse_foreign(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
+// The same before clear_bake(): throws, and changes nothing, if one of the `files` exists that it would not
+// remove, or if it would meet a folder in place of a file.
+void refuse_to_replace(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
+// Throws BakeError if `file` (in the form of the manifest's list) is gone, or one of its frames 0 to `last`;
+// `first_number`: number of frame 0.
+void refuse_lost(const std::filesystem::path& folder, const std::string& file, std::uint64_t last,
+                 std::uint64_t first_number);
 
 }  // namespace fascicle::bake

@@ -12,6 +12,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/finite.h"
 #include "host/bake/identity.h"
+#include "host/bake/sealed_file.h"
 #include "host/base/text.h"
 #include "host/scene/scene_file.h"
 
@@ -88,6 +89,8 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
 
 namespace {
 
+constexpr std::uint64_t most_unchecked_bytes = std::uint64_t{64} << 20;
+
 base::File opened(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path))
     throw BakeError(
@@ -138,6 +141,9 @@ bool FrameCacheReader::read_record(std::uint64_t k, std::string& bytes) const {
   // The number first: many whole records may be missing.
   bytes.resize(sizeof(std::uint64_t));
   if (!file_.read_at(begin, bytes) || value_at<std::uint64_t>(bytes, 0) != k) return false;
+  // A long record takes no memory before its checksum is known to be right: a sparse file of any length takes
+  // no space.
+  if (record_bytes_ > most_unchecked_bytes && !is_sealed_part(file_, begin, record_bytes_)) return false;
   bytes.resize(record_bytes_);
   return file_.read_at(begin, bytes) && is_sealed(bytes);
 }
@@ -160,6 +166,20 @@ model::Frame FrameCacheReader::read(std::uint64_t k) const {
     throw BakeError(file_.path().string() + ": frame " + base::number_text(k) +
                     " has positions that are not finite numbers; bake again");
   return frame;
+}
+
+FrameCacheReader frames_to_resume(const std::filesystem::path& path, const CacheHeader& header,
+                                  std::uint64_t count) {
+  FrameCacheReader reader(path);
+  CacheHeader before = reader.header();
+  before.frames = header.frames;
+  if (before != header)
+    throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
+  if (reader.frame_count() < count)
+    throw BakeError(path.string() + ": has " + base::number_text(reader.frame_count()) +
+                    " complete frames, but the checkpoint has " + base::number_text(count) +
+                    "; start again with --overwrite");
+  return reader;
 }
 
 bool is_frame_cache(const std::filesystem::path& path) {

@@ -77,6 +77,11 @@ class FrameCacheReader {
   std::uint64_t frame_count_ = 0;
 };
 
+// The frames of a bake to resume that has written `count` of them. `header`: of this bake, which may have
+// another number of frames. Throws BakeError if they belong to another bake, or fewer are complete.
+FrameCacheReader frames_to_resume(const std::filesystem::path& path, const CacheHeader& header,
+                                  std::uint64_t count);
+
 // Whether the file begins like a frame cache. False if it cannot be read.
 bool is_frame_cache(const std::filesystem::path& path);
 

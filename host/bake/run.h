@@ -41,13 +41,16 @@ class Run {
  private:
   void open_folder();
   std::optional<Checkpoint> checkpoint_to_resume();
+  void check_kept(std::uint64_t last);
   std::optional<BakeResult> done_without_frames();
   std::optional<BakeResult> done_before(const Checkpoint& last);
   void begin_other_files(const Checkpoint& from);
   BakeResult summary() const;
   model::State lead_to_start();
-  // False if interrupted; the folder can then be resumed as before.
-  bool begin_sinks(std::uint64_t first);
+  // `resumed`: null if the bake starts at frame 0. False if interrupted; the folder can then be resumed as
+  // before.
+  bool begin_sinks(const Checkpoint* resumed);
+  bool starts_anew(const formats::Format& format, const formats::FrameSink& sink) const;
   std::vector<model::Frame> frames_before(std::uint64_t first) const;
   void step_frames(std::uint64_t first);
   Moment moment() const { return {clamped_, seconds_solver_}; }

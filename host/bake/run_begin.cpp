@@ -48,7 +48,10 @@ void Run::open_folder() {
   make_folder(options_.folder);
   lock_.emplace(options_.folder);
   const bool used = holds_bake(options_.folder);
-  if (used && options_.overwrite) clear_bake(options_.folder);
+  if (used && options_.overwrite) {
+    refuse_to_replace(options_.folder, file_names(model_, options_.formats));
+    clear_bake(options_.folder);
+  }
   if (used && !options_.overwrite && !options_.resume)
     throw FolderInUse(
         options_.folder.string() +
@@ -60,7 +63,13 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   if (!options_.resume || !holds_bake(options_.folder)) return std::nullopt;
   std::optional<Checkpoint> found = read_checkpoint(path_of(checkpoint_name));
   if (!found) {
+    const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
+    if (!manifest || manifest->frames_done > 0 || manifest->status == name_of(Status::complete))
+      throw BakeError(
+          path_of(checkpoint_name).string() +
+          ": the bake to resume has lost this file; start again with --overwrite, or choose another -o");
     // Stopped before its first checkpoint: nothing is lost by starting again.
+    refuse_to_replace(options_.folder, file_names(model_, options_.formats));
     clear_bake(options_.folder);
     return std::nullopt;
   }
@@ -86,6 +95,22 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   return found;
 }
 
+// Before the first write of a resumed bake: throws if a frame is damaged, or if a file is gone that cannot be
+// made from the frames.
+void Run::check_kept(std::uint64_t last) {
+  const FrameCacheReader cache = frames_to_resume(
+      path_of(cache_name), cache_header(model_, scene_.fps, scene_.start, frames_), last + 1);
+  // Only a bake resumed with another end may have another number of frames.
+  if (!files_change_ && cache.header().frames != frames_)
+    throw BakeError(path_of(cache_name).string() + ": belongs to another bake; start again with --overwrite");
+  for (const formats::Format& format : all_formats())
+    if (!format.from_cache && (format.name.empty() || is_among(options_.formats, format.name)))
+      refuse_lost(options_.folder, format.file, last, number_of_first(scene_, options_));
+  // The cache is the authority on kept frames; reading them also checks them.
+  for (std::uint64_t k = 0; k <= last; ++k)
+    progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+}
+
 // Resumes the frames and rewrites the files of formats from them. If that is interrupted, the manifest lists
 // the new files, and the checkpoint says which ones to rewrite.
 void Run::begin_other_files(const Checkpoint& from) {
@@ -96,9 +121,6 @@ void Run::begin_other_files(const Checkpoint& from) {
   });
   // All checks that may refuse come before the first write.
   refuse_foreign(options_.folder, names);
-  const FrameCacheReader cache(path_of(cache_name));
-  for (std::uint64_t k = 0; k <= from.state.frame; ++k)
-    progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
   if (manifest && manifest->frames != frames_ && !progress_.exported.empty()) {
     std::string list;
     for (const std::string& name : progress_.exported) list += (list.empty() ? "" : ", ") + name;
@@ -118,7 +140,10 @@ std::optional<BakeResult> Run::done_without_frames() {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   if (!manifest || manifest->frames_kept) return std::nullopt;
   if (options_.keep_frames || files_change_) throw BakeError(frames_not_kept_text(options_.folder));
+  // The bake stopped just before it removed them.
   remove_files(options_.folder, {cache_name});
+  if (!verify_bake({.bake = options_.folder, .interrupted = options_.interrupted}).is_good())
+    throw BakeError(frames_not_kept_text(options_.folder));
   BakeResult result = summary();
   result.frames_done = frames_;
   result.last_position_hash = manifest->last_position_hash;
@@ -183,11 +208,13 @@ std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
   return frames;
 }
 
-bool Run::begin_sinks(std::uint64_t first) {
+bool Run::starts_anew(const formats::Format& format, const formats::FrameSink& sink) const {
+  return !sink.resumes() || is_among(anew_, format.name);
+}
+
+bool Run::begin_sinks(const Checkpoint* resumed) {
   const Stopwatch time(seconds_writing_);
-  // Only a bake resumed with another end may have another number of frames.
-  if (first > 0 && !files_change_ && FrameCacheReader(path_of(cache_name)).header().frames != frames_)
-    throw BakeError(path_of(cache_name).string() + ": belongs to another bake; start again with --overwrite");
+  const std::uint64_t first = resumed != nullptr ? resumed->state.frame + 1 : 0;
   const std::vector<model::Frame> before = frames_before(first);
   const auto* character = std::get_if<rig::Character>(&scene_.geometry);
   const bool is_character = character != nullptr && model_.has_skeleton();
@@ -217,21 +244,29 @@ bool Run::begin_sinks(std::uint64_t first) {
                                .first_number = number_of_first(scene_, options_),
                                .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks need
-  const auto starts_anew = [this](const formats::Format& format, const formats::FrameSink& sink) {
-    return !sink.resumes() || std::find(anew_.begin(), anew_.end(), format.name) != anew_.end();
-  };
   std::vector<formats::FrameSink*> from_the_start;
   for (const formats::Format& format : all_formats()) {
-    const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
-                                                         format.name) != options_.formats.end();
-    if (!wanted) continue;
+    if (!format.name.empty() && !is_among(options_.formats, format.name)) continue;
     sinks_.push_back(format.file == metrics_name ? make_metrics_sink(options_.look_body) : format.make());
     needs_ = needs_ | sinks_.back()->needs();
     formats::BakeInfo of_sink = info;
-    if (starts_anew(format, *sinks_.back())) {
-      of_sink.first = 0;
-      from_the_start.push_back(sinks_.back().get());
+    if (resumed != nullptr && !starts_anew(format, *sinks_.back())) {
+      try {
+        sinks_.back()->begin(of_sink);
+        continue;
+      } catch (const BakeError& lost) {
+        if (!format.from_cache) throw;
+        report_.notes.push_back(format.name + ": written again from the frames (" + lost.what() + ")");
+        // If this is interrupted, the checkpoint says what to write again.
+        anew_.push_back(format.name);
+        files_change_ = true;
+        write_checkpoint(path_of(checkpoint_name),
+                         {while_begun_anew(identity_, anew_), resumed->state, resumed->skinned});
+        sinks_.back() = format.make();
+      }
     }
+    of_sink.first = 0;
+    if (resumed != nullptr) from_the_start.push_back(sinks_.back().get());
     sinks_.back()->begin(of_sink);
   }
   base::write_whole(path_of(model_file_name), encode_model(model_));
@@ -242,15 +277,12 @@ bool Run::begin_sinks(std::uint64_t first) {
         formats::blender_script(
             {.fps = scene_.fps, .frames = frames_, .first_number = number_of_first(scene_, options_)}));
   }
-  if (first == 0) return true;
-  progress_.position_hashes.clear();
-  // The cache is the authority on kept frames; reading them also checks them.
+  if (from_the_start.empty()) return true;
   const FrameCacheReader cache(path_of(cache_name));
   for (std::uint64_t k = 0; k < first; ++k) {
     // There may be many frames, and rewriting files takes time.
-    if (was_stopped() && !from_the_start.empty()) return false;
+    if (was_stopped()) return false;
     model::Frame frame = cache.read(k);
-    progress_.position_hashes.push_back(model::position_hash(frame));
     frame.surface = formats::embed(model_, frame.positions);
     shapes_->add_to(k, frame.surface);
     for (formats::FrameSink* sink : from_the_start) sink->write(frame);

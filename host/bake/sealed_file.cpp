@@ -14,18 +14,19 @@ namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 
-bool is_sealed_file(const base::File& file) {
+}  // namespace
+
+bool is_sealed_part(const base::File& file, std::uint64_t begin, std::uint64_t bytes) {
   std::uint64_t checksum = 0;
-  const std::uint64_t size = file.size();
-  if (size < sizeof checksum || size > most_sealed_bytes) return false;
-  const std::uint64_t end = size - sizeof checksum;
+  if (bytes < sizeof checksum) return false;
+  const std::uint64_t end = begin + bytes - sizeof checksum;
   XXH3_state_t hash;
   XXH3_64bits_reset(&hash);
-  std::vector<char> piece(std::min<std::uint64_t>(piece_bytes, size));
-  for (std::uint64_t at = 0; at < end; at += piece_bytes) {
-    const std::span<char> bytes = std::span(piece).first(std::min<std::uint64_t>(piece_bytes, end - at));
-    if (!file.read_at(at, bytes)) return false;
-    XXH3_64bits_update(&hash, bytes.data(), bytes.size());
+  std::vector<char> piece(std::min<std::uint64_t>(piece_bytes, bytes));
+  for (std::uint64_t at = begin; at < end; at += piece_bytes) {
+    const std::span<char> part = std::span(piece).first(std::min<std::uint64_t>(piece_bytes, end - at));
+    if (!file.read_at(at, part)) return false;
+    XXH3_64bits_update(&hash, part.data(), part.size());
   }
   const std::span<char> last = std::span(piece).first(sizeof checksum);
   if (!file.read_at(end, last)) return false;
@@ -33,13 +34,12 @@ bool is_sealed_file(const base::File& file) {
   return XXH3_64bits_digest(&hash) == checksum;
 }
 
-}  // namespace
-
 std::string read_sealed(const base::File& file, std::string_view magic) {
   std::string bytes(magic.size(), '\0');
   if (!file.read_at(0, bytes)) return {};
-  if (bytes != magic || !is_sealed_file(file)) return bytes;
-  bytes.resize(file.size());
+  const std::uint64_t size = file.size();
+  if (bytes != magic || size > most_sealed_bytes || !is_sealed_part(file, 0, size)) return bytes;
+  bytes.resize(size);
   if (!file.read_at(0, bytes)) bytes.clear();
   return bytes;
 }

@@ -17,4 +17,8 @@ inline constexpr std::uint64_t most_sealed_bytes = std::uint64_t{64} << 30;
 // length: the checksum is checked in pieces first, because a sparse file of any length takes no space.
 std::string read_sealed(const base::File& file, std::string_view magic);
 
+// Whether these bytes of the file end with the XXH3-64 of those before. Takes no memory, whatever their
+// number.
+bool is_sealed_part(const base::File& file, std::uint64_t begin, std::uint64_t bytes);
+
 }  // namespace fascicle::bake

@@ -136,6 +136,9 @@ TEST(BakeNotFinite, NamesFrameAndVertexAndKeepsWhatWasBefore) {
   ASSERT_EQ(cache.frame_count(), 5u);
   EXPECT_EQ(cache.read(4).index, 4u);
   EXPECT_TRUE(bake::read_checkpoint(folder / "out/checkpoint").has_value());
+  // What the manifest counts is synced, and so has its final name.
+  EXPECT_TRUE(fs::exists(folder / "out/obj/frame_000004.obj"));
+  EXPECT_FALSE(fs::exists(folder / "out/obj/frame_000004.obj.tmp"));
 }
 
 TEST(BakeFolder, IsRefusedWhileItHoldsABake) {
@@ -356,17 +359,17 @@ TEST(BakeFailed, SaysWhatASinkCouldNotWrite) {
   expect_failed_and_resumed(folder, message, [&] { fs::remove_all(in_the_way); });
 }
 
-// A resumed bake that fails before its first frame leaves all files in place.
 TEST(BakeFailed, AResumedBakeSaysSoToo) {
   const TemporaryFolder folder;
   bake_until(with_checkpoint_at_4(folder / "out"), short_scene(9), 4);
-  fs::rename(folder / "out/surface.pc2.part", folder / "away");
   BakeOptions options = with_checkpoint_at_4(folder / "out");
   options.resume = true;
-  const std::string message = message_of<BakeError>([&] { fake_bake_into(options, short_scene(9)); });
-  EXPECT_TRUE(contains(message, "has lost this file"));
-  expect_failed_and_resumed(folder, message,
-                            [&] { fs::rename(folder / "away", folder / "out/surface.pc2.part"); });
+  FakeOptions fake;
+  fake.on_submit = [](std::uint64_t) { throw std::runtime_error("vkQueueSubmit: VK_ERROR_DEVICE_LOST"); };
+  const std::string message =
+      message_of<std::runtime_error>([&] { fake_bake_into(options, short_scene(9), fake); });
+  EXPECT_EQ(message, "vkQueueSubmit: VK_ERROR_DEVICE_LOST");
+  expect_failed_and_resumed(folder, message, [] {});
 }
 
 // The manifest of a different bake is not touched.

@@ -111,6 +111,22 @@ TEST(BakeKeepFrames, ACompleteBakeHasNothingLeftToDo) {
   EXPECT_EQ(content_of(folder / "out"), before);
 }
 
+TEST(BakeKeepFrames, ACompleteBakeThatLostAFileIsNotDone) {
+  const TemporaryFolder folder;
+  BakeOptions options = without_frames(folder / "out");
+  for (const char* name : {"surface.pc2", "metrics.csv"}) {
+    options.resume = false;
+    options.overwrite = true;
+    fake_bake_into(options, short_scene(6));
+    fs::remove(folder / (std::string("out/") + name));
+    options.overwrite = false;
+    options.resume = true;
+    EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); }),
+                         "bake again with --overwrite"))
+        << name;
+  }
+}
+
 TEST(BakeKeepFrames, ExportSaysThatThereAreNone) {
   const TemporaryFolder folder;
   fake_bake_into(without_frames(folder / "out"), short_scene(3));

@@ -159,24 +159,91 @@ TEST(BakeResume, OutputsThatAreNotWholeAreWrittenAgain) {
     }
 }
 
-TEST(BakeResume, OutputsThatCannotBeWrittenAgainAreMissed) {
+TEST(BakeResume, OutputsThatLostFramesAreWrittenAgain) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
-  const auto refusal = [&](const auto& damage) {
-    options.resume = false;
-    options.overwrite = true;
-    fake_bake_into(options, short_scene(4));
-    damage();
-    EXPECT_FALSE(bake::verify_bake({.bake = folder / "out"}).is_good());
-    options.overwrite = false;
-    options.resume = true;
-    return message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); });
+  fake_bake_into(options, short_scene(4));
+  const auto whole = content_of(folder / "out");
+  options.resume = true;
+  const auto expect_mended = [&](const std::string& name) {
+    EXPECT_FALSE(bake::verify_bake({.bake = folder / "out"}).is_good()) << name;
+    const BakeResult result = fake_bake_into(options, short_scene(4));
+    EXPECT_EQ(content_of(folder / "out"), whole) << name;
+    ASSERT_EQ(result.report.notes.size(), 1u) << name;
+    EXPECT_TRUE(contains(result.report.notes[0], "written again from the frames"));
+    EXPECT_TRUE(contains(result.report.notes[0], name));
   };
-  EXPECT_TRUE(
-      contains(refusal([&] { fs::remove(folder / "out/obj/frame_000002.obj"); }), "frame_000002.obj"));
-  for (const char* name : {"surface.pc2", "surface.mdd"})
-    EXPECT_TRUE(contains(refusal([&] { fs::resize_file(folder / ("out/" + std::string(name)), 100); }),
-                         std::string(name) + ".part: holds fewer frames than the checkpoint"));
+  for (const std::string name : {"surface.pc2", "surface.mdd"}) {
+    fs::resize_file(folder / ("out/" + name), 100);
+    expect_mended(name);
+    fs::remove(folder / ("out/" + name));
+    expect_mended(name);
+  }
+  fs::remove(folder / "out/obj/frame_000002.obj");
+  expect_mended("frame_000002.obj");
+}
+
+// While a lost output is written again, the checkpoint says so: half of it is never taken for whole.
+TEST(BakeResume, AnOutputThatIsWrittenAgainMayBeInterrupted) {
+  const TemporaryFolder folder;
+  fake_bake_into(options_for(folder / "whole"), short_scene(4));
+  BakeOptions options = options_for(folder / "out");
+  bake_until(options, short_scene(4), 3);
+  fs::remove(folder / "out/surface.pc2.part");
+  const std::atomic<bool> interrupted{true};
+  options.resume = true;
+  options.interrupted = &interrupted;
+  EXPECT_TRUE(fake_bake_into(options, short_scene(4)).interrupted);
+  EXPECT_EQ(manifest_in(folder / "out")["status"], "interrupted");
+  options.interrupted = nullptr;
+  EXPECT_EQ(fake_bake_into(options, short_scene(4)).frames_done, 4u);
+  EXPECT_EQ(content_of(folder / "out"), content_of(folder / "whole"));
+}
+
+// Frames, metrics and vtu cannot be made from the frames. Nothing else in the folder changes.
+TEST(BakeResume, WhatCannotBeWrittenAgainIsMissed) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  options.resume = true;
+  for (const std::string name : {"metrics.csv", "vtu/frame_000002.vtu", "frames.fascicle", "checkpoint"}) {
+    fs::rename(folder / ("out/" + name), folder / "away");
+    const auto before = marks_of(folder / "out");
+    const std::string message = message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); });
+    EXPECT_TRUE(contains(message, name));
+    EXPECT_EQ(marks_of(folder / "out"), before) << name;
+    fs::rename(folder / "away", folder / ("out/" + name));
+  }
+  std::string frames = read_text(folder / "out/frames.fascicle");
+  frames[frames.size() / 2] = static_cast<char>(frames[frames.size() / 2] ^ 4);
+  write_text(folder / "out/frames.fascicle", frames);
+  const auto before = marks_of(folder / "out");
+  EXPECT_TRUE(contains(message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); }),
+                       "frame 2 is damaged"));
+  EXPECT_EQ(marks_of(folder / "out"), before);
+}
+
+// Without its checkpoint nothing says what a bake was of.
+TEST(BakeResume, ABakeWithoutItsCheckpointIsNotReplaced) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  scene::Scene other = short_scene(3);
+  other.fps = 30.0;
+  for (const bool is_complete : {true, false}) {
+    fs::remove_all(folder / "out");
+    options.resume = false;
+    if (is_complete)
+      fake_bake_into(options, short_scene(4));
+    else
+      bake_until(options, short_scene(4), 2);
+    fs::remove(folder / "out/checkpoint");
+    const auto before = marks_of(folder / "out");
+    options.resume = true;
+    for (const scene::Scene& scene : {short_scene(4), other})
+      EXPECT_TRUE(contains(message_of<bake::BakeError>([&] { fake_bake_into(options, scene); }),
+                           "checkpoint: the bake to resume has lost this file"));
+    EXPECT_EQ(marks_of(folder / "out"), before);
+  }
 }
 
 }  // namespace

@@ -375,6 +375,30 @@ TEST(BakeResume, MoreFormatsRefuseForeignFiles) {
   EXPECT_EQ(read_text(folder / "out/surface.pc2"), "mine");
 }
 
+// What would be refused is refused before the earlier bake is removed.
+TEST(BakeResume, OverwritingRefusesForeignFilesFirst) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"obj"};
+  fake_bake_into(options, short_scene(6));
+  options.overwrite = true;
+  options.formats = {"obj", "pc2"};
+  write_text(folder / "out/surface.pc2", "mine");
+  auto before = content_of(folder / "out");
+  EXPECT_TRUE(
+      contains(message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); }), "no bake made it"));
+  EXPECT_EQ(content_of(folder / "out"), before);
+  fs::remove(folder / "out/surface.pc2");
+  fs::remove(folder / "out/metrics.csv");
+  fs::create_directory(folder / "out/metrics.csv");
+  before = content_of(folder / "out");
+  EXPECT_TRUE(
+      contains(message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); }), "is a folder"));
+  EXPECT_EQ(content_of(folder / "out"), before);
+  fs::remove(folder / "out/metrics.csv");
+  EXPECT_EQ(fake_bake_into(options, short_scene(6)).frames_done, 6u);
+}
+
 TEST(BakeResume, RefusesAnotherModel) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
@@ -411,7 +435,6 @@ TEST(BakeResume, RefusesDamagedFiles) {
                        "checkpoint is damaged"));
   EXPECT_TRUE(contains(refusal_after("frames.fascicle", halve), "complete frames, but the checkpoint has 5"));
   EXPECT_TRUE(contains(refusal_after("frames.fascicle", flip_middle), "is damaged"));
-  EXPECT_TRUE(contains(refusal_after("surface.pc2.part", halve), "fewer frames than the checkpoint"));
   EXPECT_TRUE(contains(refusal_after("metrics.csv.part", halve), "fewer frames than the checkpoint"));
   // After any of these, a fresh start works.
   options.resume = false;

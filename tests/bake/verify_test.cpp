@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "host/bake/read_frame_cache.h"
 #include "tests/bake/fake_bakes.h"
@@ -129,6 +130,27 @@ TEST_F(Verify, CountsTheMissingFramesOfAHeaderThatLies) {
 TEST_F(Verify, IsNotHeldUpByAFileThatIsMuchTooLong) {
   fs::resize_file(bake / "frames.fascicle", std::uint64_t{1} << 42);
   EXPECT_TRUE(verified().is_good());
+}
+
+// A frame's checksum is checked before the frame takes memory: this one would take 2 GiB, which the limit is
+// below.
+TEST_F(Verify, ALongFrameTakesNoMemoryBeforeItIsKnownToBeWhole) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "SKIPPED: sanitizers need all of the address space";
+#endif
+  const fs::path path = bake / "frames.fascicle";
+  bake::CacheHeader header = bake::FrameCacheReader(path).header();
+  header.vertex_count = 180'000'000;
+  write_text(path, bake::encode_cache_header(header));
+  fs::resize_file(path, bake::cache_header_bytes + bake::cache_record_bytes(header.vertex_count));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit limit{std::uint64_t{1} << 30, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &limit), 0);
+  std::uint64_t frames = 1;
+  EXPECT_NO_THROW(frames = bake::FrameCacheReader(path).frame_count());
+  EXPECT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(frames, 0U);
 }
 
 TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {
