@@ -1,14 +1,17 @@
 #include "host/base/json_text.h"
 
+#include <array>
+
 namespace fascicle::base {
 
 namespace {
 
-constexpr unsigned deepest_nesting = 64;
+constexpr unsigned deepest_nesting = 64, most_keys = 10'000;
 
 }  // namespace
 
 std::string_view shallow_json(std::string_view text) {
+  std::array<unsigned, deepest_nesting + 1> keys{};  // of the innermost object at each level
   unsigned level = 0;
   bool is_in_string = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -22,6 +25,9 @@ std::string_view shallow_json(std::string_view text) {
       is_in_string = true;
     } else if (c == '[' || c == '{') {
       if (++level > deepest_nesting) return {};
+      keys[level] = 0;
+    } else if (c == ':') {
+      if (++keys[level] > most_keys) return {};
     } else if ((c == ']' || c == '}') && level > 0) {
       --level;
     }

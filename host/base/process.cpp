@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -62,6 +63,9 @@ bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
       ::dup2(launch.error_output == no_output ? null : launch.error_output, STDERR_FILENO) < 0) {
     give_up();
   }
+  // Libraries open descriptors that survive exec(): a helper must not reach the studio's sockets. Kernels
+  // before 5.11 do not know the flag.
+  ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
   if (!limit(RLIMIT_CORE, launch.core) || !limit(RLIMIT_CPU, launch.processor) ||
       !limit(RLIMIT_AS, launch.memory)) {
     give_up();

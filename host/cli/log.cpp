@@ -24,8 +24,9 @@ void put(const std::string& text) {
 }
 
 std::string json_line(const nlohmann::ordered_json& object) {
-  // Paths are bytes and need not be UTF-8; a log line must still be JSON.
-  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  // Paths are bytes and need not be UTF-8; a log line must still be JSON. Escaped, because a terminal would
+  // execute some characters of names.
+  return object.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 // Libraries end their messages with a line break.

@@ -18,6 +18,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <fcntl.h>
 
 #include "host/studio/access.h"
 
@@ -38,6 +39,11 @@ constexpr std::uint64_t longest_body = 1 << 10;
 // The kernel's send buffer per page: small, so that for slow pages frames are dropped here instead of queued
 // there.
 constexpr int socket_buffer = 256 << 10;
+
+// Asio leaves this out. A browser started by this program would keep the port after the program's end.
+void close_on_exec(int socket) {
+  ::fcntl(socket, F_SETFD, FD_CLOEXEC);
+}
 
 }  // namespace
 
@@ -359,6 +365,7 @@ Server::Impl::Impl(ServerOptions given, ServerEvents given_events)
     : options(std::move(given)), events(std::move(given_events)) {
   const tcp::endpoint loopback(asio::ip::address_v4::loopback(), options.port);
   acceptor.open(loopback.protocol());
+  close_on_exec(acceptor.native_handle());
   acceptor.set_option(tcp::acceptor::reuse_address(true));
   acceptor.bind(loopback);
   acceptor.listen();
@@ -388,6 +395,7 @@ void Server::Impl::accept() {
       return;
     }
     if (connections < options.most_connections) {
+      close_on_exec(socket.native_handle());
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       socket.set_option(asio::socket_base::send_buffer_size(socket_buffer), ignored);

@@ -7,6 +7,7 @@
 
 #include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/text.h"
 #include "host/base/version.h"
 #include "host/scene/input_files.h"
 #include "host/studio/baked_motion.h"
@@ -95,8 +96,14 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
 }
 
 void Session::keep_old_session(const std::string& why) {
-  base::rename_over(options_.folder / session_file_name, options_.folder / old_session_file_name);
-  pipeline::say_warning(say_, options_.folder.string() + ": " + why + "; kept as " + old_session_file_name);
+  // Earlier ones stay: session.before.json, session.before-2.json, ...
+  std::filesystem::path kept = options_.folder / old_session_file_name;
+  for (unsigned number = 2; std::filesystem::exists(std::filesystem::symlink_status(kept)); ++number)
+    kept.replace_filename(std::filesystem::path(old_session_file_name).stem().string() + "-" +
+                          base::number_text(number) + ".json");
+  base::rename_over(options_.folder / session_file_name, kept);
+  pipeline::say_warning(say_,
+                        options_.folder.string() + ": " + why + "; kept as " + kept.filename().string());
 }
 
 Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem::path> beside,

@@ -28,6 +28,25 @@ TEST(JsonText, DeeperIsNoJson) {
       nlohmann::ordered_json::parse(base::shallow_json(nested(1000000)), nullptr, false).is_discarded());
 }
 
+// Ten thousand keys take a second; a million would take hours.
+TEST(JsonText, AnObjectWithTooManyKeysIsNoJson) {
+  const auto object = [](int keys) {
+    std::string text = "{\"of one\":{\"a\":1,\"b\":2},";
+    for (int k = 1; k < keys; ++k) text += "\"k" + std::to_string(k) + ":\":1,";
+    text.back() = '}';
+    return text;
+  };
+  EXPECT_EQ(base::shallow_json(object(10'000)), object(10'000));
+  EXPECT_TRUE(nlohmann::ordered_json::accept(object(10'000)));
+  EXPECT_TRUE(base::shallow_json(object(10'001)).empty());
+  EXPECT_TRUE(base::shallow_json("[{}," + object(1'000'000) + "]").empty());
+  // The control: many objects with few keys.
+  std::string text = "[";
+  for (int k = 0; k < 100'000; ++k) text += "{\"a\":1},";
+  text.back() = ']';
+  EXPECT_EQ(base::shallow_json(text).size(), text.size());
+}
+
 // The control: a long flat array is not deep.
 TEST(JsonText, LongIsNotDeep) {
   std::string text = "[";

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <system_error>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -52,6 +54,19 @@ TEST(Process, TellsHowItEnded) {
   EXPECT_EQ(result.end, ProcessEnd::exited);
   EXPECT_EQ(result.code, 3);
   EXPECT_EQ(result.last_words, "why\n");
+}
+
+// Whatever the process has open, also through libraries that do not close it on exec.
+TEST(Process, InheritsNoDescriptor) {
+  const ChildSignal as_usual(SIG_DFL, 0);
+  const int open = ::open("/dev/null", O_RDONLY);  // as a library does, without O_CLOEXEC
+  ASSERT_GT(open, STDERR_FILENO);
+  const std::string script = "test -e /proc/$$/fd/" + std::to_string(open) + " || echo closed >&2";
+  const auto result = run_process("/bin/sh", {"-c", script}, {.seconds = 5.0});
+  EXPECT_EQ(std::system(("set -- " + std::to_string(open) + "; test -e /proc/$$/fd/$1").c_str()), 0)
+      << "the control: others inherit it";
+  ::close(open);
+  EXPECT_EQ(result.last_words, "closed\n");
 }
 
 TEST(Process, EndsAtOnceWhereItIsCancelled) {

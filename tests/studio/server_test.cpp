@@ -3,12 +3,16 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include "tests/studio/client.h"
 
@@ -150,6 +154,24 @@ TEST_F(ServerTest, MessagesComeAndGo) {
   EXPECT_FALSE(client.next());
   EXPECT_EQ(client.close_reason(), "enough");
   EXPECT_TRUE(soon([&] { return closed_ == 1; }));
+}
+
+// A browser that the program starts must not keep its port.
+TEST_F(ServerTest, NoOtherProgramInheritsItsSockets) {
+  const Client client(server_.port(), token_);
+  ASSERT_TRUE(soon([&] { return opened_ == 1; }));
+  int sockets = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int number = std::stoi(entry.path().filename().string());
+    sockaddr_in own{};
+    socklen_t length = sizeof own;
+    if (::getsockname(number, reinterpret_cast<sockaddr*>(&own), &length) != 0 || own.sin_family != AF_INET ||
+        ntohs(own.sin_port) != server_.port())
+      continue;
+    ++sockets;
+    EXPECT_EQ(::fcntl(number, F_GETFD), FD_CLOEXEC);
+  }
+  EXPECT_EQ(sockets, 2) << "the one that listens, and the page's";
 }
 
 TEST_F(ServerTest, AMessageThatIsTooLongEndsThePageAlone) {

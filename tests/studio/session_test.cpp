@@ -253,6 +253,19 @@ TEST_F(SessionTest, AnotherSceneBeginsAnewAndTheOldSessionIsKept) {
   EXPECT_TRUE(fs::exists(folder_ / "session" / studio::old_session_file_name));
 }
 
+TEST_F(SessionTest, EveryOldSessionIsKept) {
+  const fs::path session = folder_ / "session";
+  fs::create_directories(session);
+  for (const char* text : {"{\"first\": 1}", "{\"second\": 1}", "{\"third\": 1}"}) {
+    base::write_whole(session / studio::session_file_name, text);
+    const Running studio = open();
+    start_of(*studio.open());
+  }
+  EXPECT_EQ(read(session / "session.before.json"), "{\"first\": 1}");
+  EXPECT_EQ(read(session / "session.before-2.json"), "{\"second\": 1}");
+  EXPECT_EQ(read(session / "session.before-3.json"), "{\"third\": 1}");
+}
+
 // The version is 2: sessions of older and newer programs are not opened.
 TEST_F(SessionTest, ASessionOfAnotherVersionIsKept) {
   for (const char* version : {"1", "3"}) {
