@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -92,10 +94,20 @@ FolderLock::FolderLock(const fs::path& folder)
     : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_.get() < 0)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
-  // File systems without locks fail with another error; the folder is then used unlocked.
-  if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw FolderInUse(folder.string() +
-                      ": another fascicle is writing there; wait for it or choose another -o");
+  // File systems without locks fail with another error; the folder is then used unlocked. is_in_use() holds a
+  // lock for an instant.
+  constexpr int attempts = 4;
+  for (int k = 0; ::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++k) {
+    if (k == attempts)
+      throw FolderInUse(folder.string() +
+                        ": another fascicle is writing there; wait for it or choose another -o");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+bool is_in_use(const fs::path& folder) {
+  const base::Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return descriptor.get() >= 0 && ::flock(descriptor.get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 void make_folder(const fs::path& folder) {

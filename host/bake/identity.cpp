@@ -12,10 +12,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "host/base/content_hash.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
 #include "host/formats/formats.h"
 #include "host/model/model_arrays.h"
+#include "host/scene/input_files.h"
 #include "host/scene/scene_json.h"
 #include "host/scene/scene_text.h"
 
@@ -99,6 +101,44 @@ std::vector<std::string> listed(const std::string& names) {
   return list;
 }
 
+// Of what moves the skin: rest poses, keys and their interpolation.
+std::string hash_of_motion(const rig::Character& character) {
+  base::ContentHash hash;
+  const auto add_matrix = [&](const Eigen::Matrix4d& matrix) {
+    hash.add_array(std::span<const double>(matrix.data(), 16));
+  };
+  add_matrix(character.root);
+  hash.add(std::uint64_t{character.skeleton.size()});
+  for (const rig::Joint& joint : character.skeleton) {
+    hash.add(std::string_view(joint.name));
+    hash.add(joint.parent);
+    add_matrix(joint.rest_local);
+    add_matrix(joint.inverse_bind);
+  }
+  hash.add(std::uint64_t{character.clips.size()});
+  for (const rig::Clip& clip : character.clips) {
+    hash.add(std::string_view(clip.name));
+    hash.add(clip.duration);
+    hash.add(std::uint64_t{clip.channels.size()});
+    for (const rig::Channel& channel : clip.channels) {
+      hash.add(channel.joint);
+      hash.add(channel.path);
+      hash.add(channel.interpolation);
+      hash.add_array(std::span<const double>(channel.times));
+      hash.add_array(std::span<const double>(channel.values));
+      hash.add_array(std::span<const char>(channel.straight));
+    }
+    hash.add(std::uint64_t{clip.weights.size()});
+    for (const rig::WeightChannel& channel : clip.weights) {
+      hash.add(channel.node);
+      hash.add(channel.interpolation);
+      hash.add_array(std::span<const double>(channel.times));
+      hash.add_array(std::span<const double>(channel.values));
+    }
+  }
+  return hash.text();
+}
+
 }  // namespace
 
 std::uint64_t model_hash(const model::Model& model) {
@@ -134,6 +174,10 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
     identity.emplace_back(
         "the content of " + name + (number > 1 ? " (" + base::number_text(number) + ")" : ""), file_hash);
   }
+  // Another version of fascicle-convert may read the same file differently.
+  if (const auto* character = std::get_if<rig::Character>(&scene.geometry);
+      character != nullptr && scene::is_converted(scene))
+    identity.emplace_back("the converted motion", hash_of_motion(*character));
   for (auto& [key, value] : scene::keys_without_end(scene))
     identity.emplace_back(key_prefix + key, std::move(value));
   std::vector<std::string> formats = options.formats;

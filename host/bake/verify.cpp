@@ -6,6 +6,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/checkpoint.h"
+#include "host/bake/folder.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
@@ -32,6 +33,7 @@ class Verification {
 
   VerifyResult run() {
     result_.status = manifest_.status;
+    result_.cut_off = manifest_.status == name_of(Status::running) && !is_in_use(options_.bake);
     for (const std::string& name : manifest_.files) {
       if (result_.interrupted) break;
       if (name == manifest_name) continue;
@@ -131,6 +133,7 @@ class Verification {
     if (!name.ends_with('/')) {
       const std::uint64_t size = fs::file_size(path_of(name));
       if (size == 0) throw Wrong("is empty");
+      if (name == formats::rest_name) hold_materials(name);
       const bool is_point_cache =
           format != all_formats().end() && (format->name == "pc2" || format->name == "mdd");
       if (is_point_cache &&
@@ -139,19 +142,43 @@ class Verification {
       return "there";
     }
     if (format == all_formats().end()) return "there";  // textures, as many as the character has
-    const auto lacks = [&](const std::string& file) {
-      std::error_code error;
-      return !fs::is_regular_file(path_of(file), error) || fs::file_size(path_of(file), error) == 0;
-    };
     const std::string extension = name.substr(0, name.size() - 1);
-    const auto hold = [&](const std::string& file) {
-      if (lacks(file)) throw Wrong("lacks " + file);
-    };
     for (std::uint64_t k = 0; k < frame_files(); ++k)
       hold(name + formats::frame_file_name(manifest_.first_number + k, extension));
     for (const std::string& file : format->beside)
       if (file == name + formats::vtk_series) hold(file);
+    if (format->name == "obj")
+      hold_materials(name + formats::frame_file_name(manifest_.first_number, extension));
     return base::number_text(frame_files()) + " frames, there";
+  }
+
+  void hold(const std::string& file) const {
+    std::error_code error;
+    if (!fs::is_regular_file(path_of(file), error) || fs::file_size(path_of(file), error) == 0)
+      throw Wrong("lacks " + file);
+  }
+
+  // The materials that an OBJ names in its first lines, and the images that these name.
+  void hold_materials(const std::string& mesh) const {
+    const base::File file(path_of(mesh), base::FileMode::read);
+    std::string head(std::min<std::uint64_t>(file.size(), 1000), '\0');
+    if (!file.read_at(0, head)) throw Wrong("cannot be read");
+    constexpr std::string_view library = "\nmtllib ", image = "\nmap_Kd ";
+    const std::size_t at = head.find(library);
+    if (at == std::string::npos) return;
+    const fs::path folder = fs::path(mesh).parent_path();
+    const std::string name = head.substr(at + library.size(), head.find('\n', at + 1) - at - library.size());
+    // Other names are not a bake's.
+    if (fs::path(name).has_parent_path()) return;
+    const std::string materials = (folder / name).string();
+    hold(materials);
+    const std::string text = base::read_input(path_of(materials), base::most_json_bytes);
+    for (std::size_t k = text.find(image); k != std::string::npos; k = text.find(image, k + 1)) {
+      const std::size_t begin = k + image.size();
+      const fs::path texture =
+          (folder / text.substr(begin, text.find('\n', begin) - begin)).lexically_normal();
+      if (texture.parent_path() == formats::textures_folder) hold(texture.string());
+    }
   }
   std::uint64_t frame_files() const { return manifest_.frames + 1; }
 

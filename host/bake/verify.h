@@ -24,7 +24,8 @@ struct VerifiedFile {
 };
 
 struct VerifyResult {
-  std::string status;  // of the bake, as in its manifest
+  std::string status;    // of the bake, as in its manifest
+  bool cut_off = false;  // it says "running", but nothing is writing there any more
   std::vector<VerifiedFile> files;
   bool interrupted = false;
 
@@ -34,8 +35,8 @@ struct VerifyResult {
 // Checks the checksum of each frame and the manifest's hash of its positions, the model against the hash in
 // the frames, and the checkpoint's checksum; metrics must have a row per frame, and everything that a
 // complete bake lists must exist. Files for other programs are not read, but none may be empty, folders must
-// have a file per frame, and point caches their length. An unfinished bake may lack files that come later.
-// Throws BakeError if the folder holds no bake.
+// have a file per frame, point caches their length, and what an OBJ refers to must be there. An unfinished
+// bake may lack files that come later. Throws BakeError if the folder holds no bake.
 VerifyResult verify_bake(const VerifyOptions& options);
 
 // Numbers as ranges in text: 3, 7 to 9. At most 12 groups, then "and more".

@@ -1,9 +1,11 @@
 #include "host/cli/log.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -17,10 +19,19 @@ namespace {
 constexpr unsigned bar_cells = 24;
 constexpr std::chrono::seconds between_states{3}, between_shares{1};
 
-// One write per line, so that processes that share a stderr do not mix their lines.
+// One write per line, so that processes that share a stderr do not mix their lines. If its reader has ended,
+// as in `2>&1 | head`, nothing more is said, but the work goes on: the signal of a broken pipe would end it.
 void put(const std::string& text) {
+  sigset_t broken_pipe, before;
+  sigemptyset(&broken_pipe);
+  sigaddset(&broken_pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &broken_pipe, &before);
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
+  const timespec at_once{};
+  while (sigtimedwait(&broken_pipe, nullptr, &at_once) == SIGPIPE) {
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 std::string json_line(const nlohmann::ordered_json& object) {

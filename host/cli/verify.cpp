@@ -24,7 +24,10 @@ void print_json(const bake::VerifyResult& result) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const bake::VerifiedFile& file : result.files)
     files.push_back({{"file", file.name}, {"good", file.is_good}, {"finding", file.finding}});
-  std::cout << nlohmann::ordered_json{{"status", result.status}, {"good", result.is_good()}, {"files", files}}
+  std::cout << nlohmann::ordered_json{{"status", result.status},
+                                      {"cut_off", result.cut_off},
+                                      {"good", result.is_good()},
+                                      {"files", files}}
                    .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
             << "\n";
 }
@@ -53,9 +56,11 @@ ExitCode verify(const VerifyArguments& arguments, Log& log) {
   arguments.json ? print_json(result) : print_text(result);
   if (!result.is_good())
     throw base::BakeError(arguments.bake +
-                          ": the bake is damaged or incomplete; bake again with --overwrite");
+                          ": the bake is damaged or incomplete; --resume writes again what it can "
+                          "from good frames, otherwise bake again with --overwrite");
   if (!arguments.json)
-    std::cout << arguments.bake << ": all files present are intact; the bake is " << result.status << "\n";
+    std::cout << arguments.bake << ": all files present are intact; the bake "
+              << (result.cut_off ? "was cut off; --resume continues it" : "is " + result.status) << "\n";
   return ExitCode::done;
 }
 

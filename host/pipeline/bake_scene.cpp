@@ -1,7 +1,10 @@
 #include "host/pipeline/bake_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <variant>
 
 #include <unistd.h>
@@ -15,17 +18,64 @@
 #include "host/drive/drive_source.h"
 #include "host/pipeline/long_wait.h"
 #include "host/pipeline/text.h"
+#include "host/rig/pose.h"
 
 namespace fascicle::pipeline {
 namespace {
 
+// s of the clip's first and last key; empty without keys.
+std::optional<std::pair<double, double>> key_times(const rig::Clip& clip) {
+  std::optional<std::pair<double, double>> range;
+  const auto add = [&](const std::vector<double>& times) {
+    if (times.empty()) return;
+    if (!range) range = {times.front(), times.back()};
+    range = {std::min(range->first, times.front()), std::max(range->second, times.back())};
+  };
+  for (const rig::Channel& channel : clip.channels) add(channel.times);
+  for (const rig::WeightChannel& channel : clip.weights) add(channel.times);
+  return range;
+}
+
+const rig::Clip* clip_of(const scene::Scene& scene) {
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  return character == nullptr ? nullptr : rig::find_clip(*character, scene.clip);
+}
+
+// A warning if many of the frames lie outside the clip's keys, where it stands still, or empty. Handles do so
+// by intention.
+std::string warning_of_held_frames(const scene::Scene& scene, const rig::Clip& clip) {
+  constexpr double longest_unsaid = 0.5;  // s
+  const auto keys = key_times(clip);
+  if (!keys) return "";
+  const double handles = static_cast<double>(scene.motion.handles) / scene.fps;
+  const double start = scene.start + handles, end = scene.end - handles;
+  const double before = std::min(keys->first, end) - start, after = end - std::max(keys->second, start);
+  const auto held = [&](const char* pose, double seconds) {
+    return std::string("its ") + pose + " pose is held for " +
+           count_text(static_cast<std::uint64_t>(std::lround(seconds * scene.fps))) + " frames";
+  };
+  std::string text;
+  if (before > longest_unsaid)
+    text = held("first", before) + (start + before < end
+                                        ? "; --start " + number_text(keys->first, 4) + " leaves them out"
+                                        : std::string());
+  if (after > longest_unsaid)
+    text += (text.empty() ? "" : ", and ") + held("last", after) +
+            (end - after > start ? "; --end " + number_text(keys->second, 4) + " leaves them out" : "");
+  if (text.empty()) return "";
+  return "the clip has keys from " + number_text(keys->first, 4) + " to " + number_text(keys->second, 4) +
+         " s: " + text;
+}
+
 // A warning about the clip before anything is built, or empty.
 std::string warning_of_clip(const scene::Scene& scene) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  if (character == nullptr || !character->clips.empty()) return "";
+  if (character == nullptr) return "";
+  if (const rig::Clip* clip = clip_of(scene)) return warning_of_held_frames(scene, *clip);
+  if (!character->clips.empty()) return "";
   const std::uint64_t frames = scene::frame_count(scene);
   return "the character has no clip: " +
-         (frames == 1 ? std::string("its rest pose is baked, in one frame")
+         (frames == 1 ? std::string("its rest pose is baked")
                       : "its skeleton stands still for " + count_text(frames) + " frames") +
          "; export it with an animation, or give --end for a longer bake";
 }
@@ -48,6 +98,12 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
             number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
             std::to_string(thrown[k].frame) + ")";
   if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
+  // Until the first key its pose is held, and then the skeleton moves at once.
+  const rig::Clip* clip = clip_of(scene);
+  const auto keys = clip != nullptr ? key_times(*clip) : std::nullopt;
+  if (keys && keys->first > scene.start && thrown.front().time <= keys->first + 2.0 / scene.fps)
+    return text + "; there the clip's first key ends a pose that is held: --start " +
+           number_text(keys->first, 4) + " begins with the motion";
   return text + "; look for keys that jump there";
 }
 

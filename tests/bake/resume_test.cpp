@@ -361,6 +361,34 @@ TEST(BakeResume, TheEndOfABodyWithMusclesStays) {
   EXPECT_FALSE(leaves_frames(end, scene, 3));
 }
 
+// A file's hash does not say what another version of the converter reads from it.
+TEST(BakeResume, ConvertedMotionBelongsToTheIdentity) {
+  scene::Scene scene = short_scene(6);
+  rig::Character character;
+  character.skeleton.emplace_back().name = "hip";
+  character.clips.push_back({.name = "walk",
+                             .duration = 1.0,
+                             .channels = {{.joint = 0, .times = {0.0, 1.0}, .values = {0, 0, 0, 1, 0, 0}}}});
+  scene.geometry = character;
+  const auto changed = [&](const char* file, const auto& change) {
+    scene.input_hashes = {{file, "0123456789abcdef"}};
+    scene::Scene other = scene;
+    change(std::get<rig::Character>(other.geometry));
+    const BakeOptions options = options_for("out");
+    std::string names;
+    for (const bake::Difference& one :
+         bake::differences(bake::identity_of(scene, 1, options), bake::identity_of(other, 1, options)))
+      names += one.name + ";";
+    return names;
+  };
+  const auto key = [](rig::Character& of) { of.clips[0].channels[0].values[3] = 2.0; };
+  const auto rest = [](rig::Character& of) { of.skeleton[0].rest_local(0, 3) = 1.0; };
+  EXPECT_EQ(changed("man.fbx", [](rig::Character&) {}), "");
+  EXPECT_EQ(changed("man.fbx", key), "the converted motion;");
+  EXPECT_EQ(changed("man.fbx", rest), "the converted motion;");
+  EXPECT_EQ(changed("man.glb", key), "") << "here the hash of the file says it";
+}
+
 // A file that no bake made is never overwritten, whenever its format is added.
 TEST(BakeResume, MoreFormatsRefuseForeignFiles) {
   const TemporaryFolder folder;

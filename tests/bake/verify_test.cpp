@@ -2,14 +2,18 @@
 #include "host/bake/verify.h"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "host/bake/folder.h"
+#include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
 #include "tests/bake/fake_bakes.h"
 
@@ -140,17 +144,57 @@ TEST_F(Verify, ALongFrameTakesNoMemoryBeforeItIsKnownToBeWhole) {
 #endif
   const fs::path path = bake / "frames.fascicle";
   bake::CacheHeader header = bake::FrameCacheReader(path).header();
-  header.vertex_count = 180'000'000;
+  header.vertex_count = 60'000'000;
   write_text(path, bake::encode_cache_header(header));
   fs::resize_file(path, bake::cache_header_bytes + bake::cache_record_bytes(header.vertex_count));
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
-  const rlimit limit{std::uint64_t{1} << 30, before.rlim_max};
+  const rlimit limit{std::uint64_t{600} << 20, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_AS, &limit), 0);
   std::uint64_t frames = 1;
   EXPECT_NO_THROW(frames = bake::FrameCacheReader(path).frame_count());
   EXPECT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
   EXPECT_EQ(frames, 0U);
+}
+
+// Meshes name their materials, and these their images. Names that no bake writes are not looked for.
+TEST_F(Verify, FindsMaterialsAndImagesThatAreGone) {
+  const auto refer = [&](const std::string& mesh, const std::string& to) {
+    write_text(bake / mesh, "# a mesh\nmtllib " + to + "\n" + read_text(bake / mesh));
+  };
+  refer("rest.obj", "rest.mtl");
+  EXPECT_EQ(finding_of(verified(), "rest.obj"), "wrong: lacks rest.mtl");
+  write_text(bake / "rest.mtl", "newmtl skin\nmap_Kd textures/image_000.png\nmap_Kd ../../etc/passwd.png\n");
+  EXPECT_EQ(finding_of(verified(), "rest.obj"), "wrong: lacks textures/image_000.png");
+  fs::create_directory(bake / "textures");
+  write_text(bake / "textures/image_000.png", "a picture");
+  EXPECT_EQ(finding_of(verified(), "rest.obj"), "good: there");
+  refer("obj/frame_000000.obj", "surface.mtl");
+  EXPECT_EQ(finding_of(verified(), "obj/"), "wrong: lacks obj/surface.mtl");
+  write_text(bake / "obj/surface.mtl", "newmtl skin\nmap_Kd ../textures/image_001.png\n");
+  EXPECT_EQ(finding_of(verified(), "obj/"), "wrong: lacks textures/image_001.png");
+  write_text(bake / "textures/image_001.png", "a picture");
+  EXPECT_TRUE(verified().is_good());
+}
+
+// A killed bake leaves "running" behind, but not its lock.
+TEST_F(Verify, TellsABakeThatWasKilledFromOneThatRuns) {
+  EXPECT_FALSE(verified().cut_off);
+  bake::set_status(bake, bake::Status::running, "");
+  EXPECT_TRUE(verified().cut_off);
+  const bake::FolderLock lock(bake);
+  EXPECT_FALSE(verified().cut_off);
+}
+
+// Whoever asks holds a lock for an instant. A bake that begins just then must not be refused.
+TEST_F(Verify, AskingKeepsNoBakeOut) {
+  std::atomic<bool> is_over = false;
+  std::thread asks([&] {
+    while (!is_over) (void)bake::is_in_use(bake);
+  });
+  for (int k = 0; k < 300; ++k) EXPECT_NO_THROW(const bake::FolderLock lock(bake));
+  is_over = true;
+  asks.join();
 }
 
 TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {

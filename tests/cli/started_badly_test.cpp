@@ -1,5 +1,6 @@
 // However the program is started: closed streams, early signals, file limits, and symbolic links at its
 // outputs' paths.
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -86,6 +87,21 @@ TEST(StartedBadly, ClosedStreamsLeaveNothingInOutputs) {
           << file;
     EXPECT_EQ(manifest_of(folder / "out")["status"], "complete");
   }
+}
+
+// As in `2>&1 | head`: the bake goes on, and only its lines are lost.
+TEST(StartedBadly, ABakeWhoseLinesNobodyReadsGoesOn) {
+  const TemporaryFolder folder;
+  const Outcome outcome = started(with(bake_command(folder / "out"), "--verbose"), [] {
+    std::array<int, 2> ends{};
+    if (::pipe(ends.data()) != 0) std::_Exit(126);
+    ::close(ends[0]);
+    ::dup2(ends[1], STDERR_FILENO);
+    std::signal(SIGPIPE, SIG_DFL);
+  });
+  EXPECT_EQ(outcome.signal, 0);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(manifest_of(folder / "out")["status"], "complete");
 }
 
 // Sends a signal before the program starts, blocked until the program unblocks it, so it arrives as early as
