@@ -1,5 +1,8 @@
 #include "host/gltf/gltf_file.h"
 
+#include <span>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include "host/base/errors.h"
@@ -93,11 +96,26 @@ bool is_inside(const std::filesystem::path& folder, const std::filesystem::path&
   return f != file.end();
 }
 
+// What a file that is neither kind of glTF is instead, and what to do; empty if that is unclear.
+std::string other_kind(std::span<const unsigned char> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.empty()) return "is empty; export it again";
+  if (text.starts_with("version https://git-lfs"))
+    return "is a pointer of Git LFS, and the file itself is not here; `git lfs pull` gets it";
+  if (text.starts_with("Kaydara FBX Binary")) return "is an FBX file; give it a name that ends in .fbx";
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first == std::string_view::npos || text[first] != '{')
+    return "is not glTF, which begins with `glTF` or, as text, with `{`; export it again";
+  return {};
+}
+
 // `path` is only for messages.
 GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
   GltfFile file;
   file.path = path;
   if (bytes.size() < 4 || little_endian(bytes, 0) != magic_glb) {
+    if (const std::string other = other_kind(bytes); !other.empty())
+      throw base::SceneError(path.string() + " " + other);
     file.document = parse(path, bytes.data(), bytes.size());
     return file;
   }
@@ -170,6 +188,16 @@ GltfFile read_converted(const std::filesystem::path& path, const std::filesystem
   fail_to_convert(path, error.what());
 }
 
+// False for what cannot be read; reading it says why.
+bool is_glb_file(const std::filesystem::path& path) {
+  try {
+    std::string head(4, '\0');
+    return base::File(path, base::FileMode::read).read_at(0, head) && head == "glTF";
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 void gltf_error(const std::filesystem::path& path, const std::string& pointer, const std::string& what) {
@@ -177,7 +205,11 @@ void gltf_error(const std::filesystem::path& path, const std::string& pointer, c
 }
 
 GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter) {
-  if (is_convertible_file(path)) return read_converted(path, converter);
+  if (is_convertible_file(path)) {
+    if (is_glb_file(path))
+      throw base::SceneError(path.string() + " is glTF; give it a name that ends in .glb");
+    return read_converted(path, converter);
+  }
   return parse_gltf(path, base::read_input_bytes(path, gltf_largest_file));
 }
 

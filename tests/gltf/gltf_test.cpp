@@ -488,5 +488,28 @@ INSTANTIATE_TEST_SUITE_P(Real, RestPose,
                          testing::Values("CesiumMan.glb", "mh_fat.glb", "mh_muscle.glb",
                                          "mh_fat_selfint.glb"));
 
+// A parser's complaint about the first byte helps nobody.
+TEST(GltfFile, ThatIsSomethingElseSaysWhat) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& name, const std::string& bytes) {
+    const std::filesystem::path path = folder.write(name, bytes);
+    try {
+      gltf::read_gltf(path);
+    } catch (const base::SceneError& error) {
+      return std::string(error.what()).substr(path.string().size());
+    }
+    return std::string("was read");
+  };
+  EXPECT_EQ(refusal("a.glb", ""), " is empty; export it again");
+  EXPECT_EQ(refusal("b.glb", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n"),
+            " is a pointer of Git LFS, and the file itself is not here; `git lfs pull` gets it");
+  EXPECT_EQ(refusal("c.gltf", std::string("Kaydara FBX Binary  \0\x1a\0", 23)),
+            " is an FBX file; give it a name that ends in .fbx");
+  EXPECT_NE(refusal("d.glb", "OFF\n3 1 0\n").find(" is not glTF"), std::string::npos);
+  EXPECT_EQ(refusal("e.fbx", "glTF\2\0\0\0"), " is glTF; give it a name that ends in .glb");
+  // The control: JSON after a byte order mark and spaces is read as glTF, and refused for what it says.
+  EXPECT_EQ(refusal("f.gltf", "\xEF\xBB\xBF \n{\"asset\":{\"version\":\"1.0\"}}").substr(0, 2), ": ");
+}
+
 }  // namespace
 }  // namespace fascicle::tests::gltf_test
