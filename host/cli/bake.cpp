@@ -81,7 +81,10 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
                     {"tetrahedra", count_text(model.tetrahedron_count())},
                     {"render vertices", count_text(model.surface_count())},
                     {"frames", count_text(estimate.frames) + " at " + number_text(scene.fps) + " a second, " +
-                                   std::to_string(prepared.built.steps.substeps) + " substeps each"},
+                                   std::to_string(prepared.built.steps.substeps) + " substeps each" +
+                                   (estimate.preroll_frames > 0
+                                        ? ", after " + count_text(estimate.preroll_frames) + " of preroll"
+                                        : "")},
                     {"device", prepared.simulation.device.text()},
                     {"solver memory", bytes_text(estimate.solver_bytes)},
                     {"output", bytes_text(estimate.output_bytes)},

@@ -53,8 +53,12 @@ Estimate estimate_of(const PreparedBake& prepared, const bake::BakeOutput& outpu
   Estimate estimate;
   estimate.frames = scene::frame_count(prepared.scene);
   estimate.seconds_substep = measured_substep(prepared.scene, prepared.built, *prepared.simulation.solver);
-  estimate.seconds =
-      estimate.seconds_substep * static_cast<double>(estimate.frames) * prepared.built.steps.substeps;
+  estimate.preroll_frames =
+      drive::DriveSource(prepared.scene, prepared.built.model, prepared.built.steps.substeps)
+          .preroll_frames();
+  estimate.seconds = estimate.seconds_substep *
+                     static_cast<double>(estimate.frames + estimate.preroll_frames) *
+                     prepared.built.steps.substeps;
   estimate.solver_bytes = model::solver_bytes(prepared.built.model);
   estimate.output_bytes =
       bake::output_bytes(prepared.scene, prepared.built.model, bake::formats_to_write(output), output.glb);

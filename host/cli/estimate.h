@@ -11,8 +11,10 @@ namespace fascicle::cli {
 
 struct Estimate {
   std::uint64_t frames = 0;
+  std::uint64_t preroll_frames =
+      0;                           // before frame 0; settling and the cycles of a seamless loop are not known
   double seconds_substep = 0.0;    // measured, with positions read back once per frame
-  double seconds = 0.0;            // of all frames
+  double seconds = 0.0;            // of all these frames
   std::uint64_t solver_bytes = 0;  // in memory
   std::uint64_t output_bytes = 0;  // of all files, at most
 };

@@ -104,7 +104,7 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
       plan.frames.push_back(arguments.frame.value_or(count - 1));
       if (plan.frames[0] >= count)
         throw UsageError("--frame " + std::to_string(plan.frames[0]) + ": there are frames 0 to " +
-                         std::to_string(count - 1));
+                         std::to_string(count - 1) + "; they are counted from 0, whatever --first-frame is");
       break;
     case Plan::Form::sheet: {
       if (const auto wanted = worst_of(arguments)) {

@@ -47,7 +47,8 @@ std::vector<std::size_t> clips_called(const std::vector<Clip>& clips, const std:
 std::string list_of_clips(const std::vector<Clip>& clips) {
   std::string text;
   for (std::size_t i = 0; i < clips.size(); ++i)
-    text += (i == 0 ? "" : ", ") + std::to_string(i) + " `" + clips[i].name + "`";
+    text += (i == 0 ? "" : ", ") + std::to_string(i) +
+            (clips[i].name.empty() ? std::string(" (without a name)") : " `" + clips[i].name + "`");
   return text;
 }
 
