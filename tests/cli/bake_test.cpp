@@ -10,6 +10,7 @@
 
 #include "tests/bake/traced_disk.h"
 #include "tests/cli/program.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
@@ -305,6 +306,49 @@ TEST(Bake, DryRunTakesScenesWithSolidsAndCuts) {
     const Outcome outcome = fascicle(command);
     EXPECT_EQ(outcome.status, 0) << scene[0] << ": " << outcome.err;
   }
+}
+
+// The clip of this scene has keys from 0 to 4 s.
+TEST(Bake, FramesOutsideTheClipsKeysAreSaid) {
+  const auto said = [](const std::vector<std::string>& range) {
+    std::vector<std::string> command{
+        "bake", "arm", "--device", "cpu", "--dry-run", "--set", "character.resolution=0.06"};
+    command.insert(command.end(), range.begin(), range.end());
+    const Outcome outcome = fascicle(command);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.err;
+  };
+  const std::string keys = "the clip has keys from 0 to 4 s: its last pose is held for ";
+  EXPECT_TRUE(contains(said({"--end", "10"}), keys + "360 frames; --end 4 leaves them out"));
+  EXPECT_TRUE(contains(said({"--start", "5", "--end", "6"}), keys + "60 frames"));
+  // The controls: the clip as it is, one frame more, and handles, which are meant to lie outside.
+  for (const std::vector<std::string>& range :
+       {std::vector<std::string>{}, {"--end", "4.1"}, {"--handles", "60"}})
+    EXPECT_FALSE(contains(said(range), "the clip has keys"));
+}
+
+// Until its first key, at 0.04 s, the clip holds a pose, and then the skeleton moves at once.
+TEST(Bake, AMotionThatBeginsLateIsTold) {
+  FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
+  const std::string man = asset("CesiumMan.glb").string();
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"bake", man, "--device", "cpu", "--dry-run", "--end", "0.3"};
+    command.insert(command.end(), more.begin(), more.end());
+    return fascicle(command).err;
+  };
+  EXPECT_TRUE(contains(said({}), "--start 0.04167 begins with the motion"));
+  EXPECT_FALSE(contains(said({"--start", "0.0417"}), "acceleration_limit"));
+}
+
+TEST(Bake, DryRunCountsThePreroll) {
+  const auto frames = [](const char* preroll) {
+    const Outcome outcome = fascicle({"bake", "arm", "--device", "cpu", "--dry-run", "--end", "0.1", "--set",
+                                      "character.resolution=0.06", "--preroll", preroll});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  EXPECT_TRUE(contains(frames("2s"), ", after 120 of preroll"));
+  EXPECT_FALSE(contains(frames("0"), "preroll"));
 }
 
 // The body is so light that the force's acceleration overflows floats.
