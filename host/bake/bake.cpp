@@ -40,7 +40,13 @@ BakeResult Run::go() {
   if (resumed) {
     if (std::optional<BakeResult> done = done_without_frames()) return std::move(*done);
     if (std::optional<BakeResult> done = done_before(*resumed)) return std::move(*done);
-    check_kept(resumed->state.frame);
+    if (!check_kept(resumed->state.frame)) {
+      interrupted_ = true;
+      progress_.position_hashes.clear();
+      BakeResult result = summary();
+      result.frames_done = resumed->state.frame;
+      return result;
+    }
   }
   if (!resumed) {
     refuse_foreign(options_.folder, file_names(model_, options_.formats));

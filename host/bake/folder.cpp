@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
+#include <sstream>
 #include <system_error>
-#include <thread>
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "host/bake/bake.h"
@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 using base::rename_over;
 
 namespace {
+
+constexpr std::uint64_t most_lock_bytes = std::uint64_t{64} << 20;  // of the kernel's table
 
 // A file's final name and its temporary names.
 std::vector<fs::path> forms_of(const fs::path& path) {
@@ -94,20 +96,22 @@ FolderLock::FolderLock(const fs::path& folder)
     : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_.get() < 0)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
-  // File systems without locks fail with another error; the folder is then used unlocked. is_in_use() holds a
-  // lock for an instant.
-  constexpr int attempts = 4;
-  for (int k = 0; ::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++k) {
-    if (k == attempts)
-      throw FolderInUse(folder.string() +
-                        ": another fascicle is writing there; wait for it or choose another -o");
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  // File systems without locks fail with another error; the folder is then used unlocked.
+  if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw FolderInUse(folder.string() +
+                      ": another fascicle is writing there; wait for it or choose another -o");
 }
 
-bool is_in_use(const fs::path& folder) {
-  const base::Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  return descriptor.get() >= 0 && ::flock(descriptor.get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+bool is_in_use_here(const fs::path& folder) {
+  struct stat about {};
+  if (::stat(folder.c_str(), &about) != 0) return false;
+  const std::string end = ":" + std::to_string(about.st_ino) + " ";
+  std::istringstream locks(base::read_input_if_there("/proc/locks", most_lock_bytes).value_or(""));
+  for (std::string line; std::getline(locks, line);)
+    if (line.find("FLOCK") != std::string::npos && line.find(" WRITE ") != std::string::npos &&
+        line.find(end) != std::string::npos)
+      return true;
+  return false;
 }
 
 void make_folder(const fs::path& folder) {
@@ -147,6 +151,12 @@ std::vector<std::string> entries_of_bake(const fs::path& folder) {
 }  // namespace
 
 void clear_bake(const fs::path& folder) {
+  // If the removal is interrupted, nothing is left to resume, and `--resume` starts again.
+  try {
+    set_running_from(folder, 0);
+  } catch (const std::system_error&) {
+    // A full disk: the removal makes room.
+  }
   remove_files(folder, entries_of_bake(folder));
   remove_stage(folder);
 }
@@ -232,9 +242,7 @@ void refuse_lost(const fs::path& folder, const std::string& file, std::uint64_t 
                  std::uint64_t first_number) {
   const auto refuse_lost_file = [](const fs::path& path) {
     const std::vector<fs::path> forms = forms_of(path);
-    if (std::none_of(forms.begin(), forms.end(), [](const fs::path& form) { return fs::exists(form); }))
-      throw BakeError(path.string() +
-                      ": the bake to resume has lost this file; start again with --overwrite");
+    if (std::none_of(forms.begin(), forms.end(), base::has_content)) throw base::LostFile(path);
   };
   if (!file.ends_with('/')) return refuse_lost_file(folder / file);
   const std::string extension = file.substr(0, file.size() - 1);

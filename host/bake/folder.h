@@ -20,8 +20,9 @@ class FolderLock {
   base::Descriptor descriptor_;
 };
 
-// Whether a process holds the lock. False where the file system has no locks.
-bool is_in_use(const std::filesystem::path& folder);
+// Whether a process of this computer holds the lock. False where the file system has no locks. Reads the
+// kernel's table: trying the lock could keep out a bake that begins at that moment.
+bool is_in_use_here(const std::filesystem::path& folder);
 
 // Creates the folder and its parents durably. Throws BakeError if the path is something else.
 void make_folder(const std::filesystem::path& folder);

@@ -41,7 +41,7 @@ class Run {
  private:
   void open_folder();
   std::optional<Checkpoint> checkpoint_to_resume();
-  void check_kept(std::uint64_t last);
+  bool check_kept(std::uint64_t last);
   std::optional<BakeResult> done_without_frames();
   std::optional<BakeResult> done_before(const Checkpoint& last);
   void begin_other_files(const Checkpoint& from);

@@ -68,7 +68,7 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
       throw BakeError(
           path_of(checkpoint_name).string() +
           ": the bake to resume has lost this file; start again with --overwrite, or choose another -o");
-    // Stopped before its first checkpoint: nothing is lost by starting again.
+    // Stopped before its first checkpoint, or while it was overwritten: nothing is lost by starting again.
     refuse_to_replace(options_.folder, file_names(model_, options_.formats));
     clear_bake(options_.folder);
     return std::nullopt;
@@ -95,9 +95,9 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   return found;
 }
 
-// Before the first write of a resumed bake: throws if a frame is damaged, or if a file is gone that cannot be
-// made from the frames.
-void Run::check_kept(std::uint64_t last) {
+// Before the first write of a resumed bake: throws if a frame is damaged, or if a file that cannot be made
+// from the frames is gone or too short. False if interrupted.
+bool Run::check_kept(std::uint64_t last) {
   const FrameCacheReader cache = frames_to_resume(
       path_of(cache_name), cache_header(model_, scene_.fps, scene_.start, frames_), last + 1);
   // Only a bake resumed with another end may have another number of frames.
@@ -106,9 +106,13 @@ void Run::check_kept(std::uint64_t last) {
   for (const formats::Format& format : all_formats())
     if (!format.from_cache && (format.name.empty() || is_among(options_.formats, format.name)))
       refuse_lost(options_.folder, format.file, last, number_of_first(scene_, options_));
+  base::PartFile::check_lines(path_of(metrics_name), last + 2);  // with its head
   // The cache is the authority on kept frames; reading them also checks them.
-  for (std::uint64_t k = 0; k <= last; ++k)
+  for (std::uint64_t k = 0; k <= last; ++k) {
+    if (was_stopped()) return false;
     progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+  }
+  return true;
 }
 
 // Resumes the frames and rewrites the files of formats from them. If that is interrupted, the manifest lists
@@ -140,10 +144,14 @@ std::optional<BakeResult> Run::done_without_frames() {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   if (!manifest || manifest->frames_kept) return std::nullopt;
   if (options_.keep_frames || files_change_) throw BakeError(frames_not_kept_text(options_.folder));
-  // The bake stopped just before it removed them.
-  remove_files(options_.folder, {cache_name});
-  if (!verify_bake({.bake = options_.folder, .interrupted = options_.interrupted}).is_good())
+  // A bake that stopped just before it removed its frames still has them.
+  const bool has_frames = is_frame_cache(path_of(cache_name));
+  if (!has_frames) remove_files(options_.folder, {cache_name});
+  if (!verify_bake({.bake = options_.folder, .interrupted = options_.interrupted}).is_good()) {
+    if (has_frames) return std::nullopt;
     throw BakeError(frames_not_kept_text(options_.folder));
+  }
+  remove_files(options_.folder, {cache_name});
   BakeResult result = summary();
   result.frames_done = frames_;
   result.last_position_hash = manifest->last_position_hash;
@@ -254,9 +262,9 @@ bool Run::begin_sinks(const Checkpoint* resumed) {
       try {
         sinks_.back()->begin(of_sink);
         continue;
-      } catch (const BakeError& lost) {
+      } catch (const base::LostFile& lost) {
         if (!format.from_cache) throw;
-        report_.notes.push_back(format.name + ": written again from the frames (" + lost.what() + ")");
+        report_.notes.push_back(format.name + ": written again from the frames (" + lost.reason + ")");
         // If this is interrupted, the checkpoint says what to write again.
         anew_.push_back(format.name);
         files_change_ = true;

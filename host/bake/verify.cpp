@@ -33,7 +33,9 @@ class Verification {
 
   VerifyResult run() {
     result_.status = manifest_.status;
-    result_.cut_off = manifest_.status == name_of(Status::running) && !is_in_use(options_.bake);
+    result_.in_use_here = is_in_use_here(options_.bake);
+    // It may have ended since the manifest was read.
+    if (!result_.in_use_here) result_.status = manifest_of(options_.bake).status;
     for (const std::string& name : manifest_.files) {
       if (result_.interrupted) break;
       if (name == manifest_name) continue;

@@ -24,8 +24,10 @@ struct VerifiedFile {
 };
 
 struct VerifyResult {
-  std::string status;    // of the bake, as in its manifest
-  bool cut_off = false;  // it says "running", but nothing is writing there any more
+  std::string status;  // of the bake, as in its manifest
+  // Whether a process of this computer is writing there. If none does, "running" was left by a bake that was
+  // killed, unless it runs on another computer.
+  bool in_use_here = false;
   std::vector<VerifiedFile> files;
   bool interrupted = false;
 

@@ -20,25 +20,48 @@ fs::path with_suffix(const fs::path& path, const char* suffix) {
   return fs::path(path.string() + suffix);
 }
 
-// Opens PATH.part of an earlier bake. If it already has its final name, it is renamed back first: a bake that
-// stopped between its renames has files of both kinds.
+// PATH.part of an earlier bake, or its final name: a bake that stopped between its renames has files of both
+// kinds.
+fs::path kept_form(const fs::path& path) {
+  const fs::path part = with_suffix(path, part_suffix);
+  if (fs::exists(fs::symlink_status(part))) return part;
+  if (!fs::exists(path)) throw LostFile(path);
+  return path;
+}
+
+// Opens PATH.part. If it already has its final name, it is renamed back first.
 File reopen(const fs::path& path) {
   const fs::path part = with_suffix(path, part_suffix);
-  if (!fs::exists(fs::symlink_status(part))) {
-    if (!fs::exists(path))
-      throw BakeError(path.string() +
-                      ": the bake to resume has lost this file; start again with --overwrite");
-    rename_over(path, part);
-  }
+  if (const fs::path kept = kept_form(path); kept != part) rename_over(kept, part);
   return File(part, FileMode::modify);
 }
 
 [[noreturn]] void fail_short(const fs::path& path) {
-  throw BakeError(with_suffix(path, part_suffix).string() +
-                  ": holds fewer frames than the checkpoint; start again with --overwrite");
+  throw LostFile(with_suffix(path, part_suffix), "holds fewer frames than the checkpoint");
+}
+
+// Where the first `lines` lines end.
+std::uint64_t end_of_lines(const File& file, const fs::path& path, std::uint64_t lines) {
+  const std::uint64_t size = file.size();
+  std::vector<char> block(std::size_t{1} << 16);
+  std::uint64_t end = 0;
+  while (lines > 0) {
+    const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), size - end));
+    if (count == 0 || !file.read_at(end, std::span(block).first(count))) fail_short(path);
+    for (std::size_t i = 0; i < count && lines > 0; ++i) {
+      if (block[i] == '\n') --lines;
+      ++end;
+    }
+  }
+  return end;
 }
 
 }  // namespace
+
+bool has_content(const fs::path& path) {
+  std::error_code none;
+  return fs::is_regular_file(path, none) && fs::file_size(path, none) > 0;
+}
 
 PartFile::PartFile(fs::path path, File file) : path_(std::move(path)), file_(std::move(file)) {}
 
@@ -55,19 +78,13 @@ PartFile PartFile::resume(const fs::path& path, std::uint64_t bytes) {
 
 PartFile PartFile::resume_lines(const fs::path& path, std::uint64_t lines) {
   File file = reopen(path);
-  const std::uint64_t size = file.size();
-  std::vector<char> block(std::size_t{1} << 16);
-  std::uint64_t end = 0;
-  while (lines > 0) {
-    const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), size - end));
-    if (count == 0 || !file.read_at(end, std::span(block).first(count))) fail_short(path);
-    for (std::size_t i = 0; i < count && lines > 0; ++i) {
-      if (block[i] == '\n') --lines;
-      ++end;
-    }
-  }
-  file.truncate(end);
+  file.truncate(end_of_lines(file, path, lines));
   return {path, std::move(file)};
+}
+
+void PartFile::check_lines(const fs::path& path, std::uint64_t lines) {
+  const File file(kept_form(path), FileMode::modify);
+  (void)end_of_lines(file, path, lines);
 }
 
 void PartFile::finish() {

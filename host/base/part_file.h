@@ -3,12 +3,26 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "host/base/errors.h"
 #include "host/base/file.h"
 
 namespace fascicle::base {
+
+// A file of the bake to resume is gone, or holds fewer frames than it should.
+struct LostFile : BakeError {
+  explicit LostFile(const std::filesystem::path& path,
+                    const std::string& why = "the bake to resume has lost this file")
+      : BakeError(path.string() + ": " + why + "; start again with --overwrite"),
+        reason(path.string() + ": " + why) {}
+  std::string reason;  // without the advice
+};
+
+// Whether it is a regular file that is not empty.
+bool has_content(const std::filesystem::path& path);
 
 // Suffix of an unfinished stream.
 inline constexpr const char* part_suffix = ".part";
@@ -18,11 +32,13 @@ class PartFile {
  public:
   // Starts an empty stream.
   static PartFile start(const std::filesystem::path& path);
-  // Continues after the first `bytes` bytes of an earlier stream, finished or not. Throws BakeError if it
+  // Continues after the first `bytes` bytes of an earlier stream, finished or not. Throws LostFile if it
   // does not exist or is shorter.
   static PartFile resume(const std::filesystem::path& path, std::uint64_t bytes);
   // Continues after the first `lines` lines.
   static PartFile resume_lines(const std::filesystem::path& path, std::uint64_t lines);
+  // Throws what resume_lines() would throw, and changes nothing.
+  static void check_lines(const std::filesystem::path& path, std::uint64_t lines);
 
   void write(std::string_view bytes) { file_.write(bytes); }
   // Overwrites earlier bytes.

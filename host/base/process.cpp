@@ -65,7 +65,9 @@ bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
   }
   // Libraries open descriptors that survive exec(): a helper must not reach the studio's sockets. Kernels
   // before 5.11 do not know the flag.
+#ifdef CLOSE_RANGE_CLOEXEC
   ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+#endif
   if (!limit(RLIMIT_CORE, launch.core) || !limit(RLIMIT_CPU, launch.processor) ||
       !limit(RLIMIT_AS, launch.memory)) {
     give_up();

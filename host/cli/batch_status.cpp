@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
-
-#include <sys/stat.h>
 
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
@@ -37,22 +34,8 @@ std::optional<fs::file_time_type> time_of(const fs::path& file) {
   return none ? std::nullopt : std::optional(time);
 }
 
-// Whether a process of this host holds the folder's lock, as a bake does (bake::FolderLock). Reads the
-// kernel's table: trying the lock could block a bake that starts at that moment.
-bool is_locked_here(const fs::path& folder) {
-  struct stat about {};
-  if (::stat(folder.c_str(), &about) != 0) return false;
-  const std::string end = ":" + std::to_string(about.st_ino) + " ";
-  std::ifstream locks("/proc/locks");
-  for (std::string line; std::getline(locks, line);)
-    if (line.find("FLOCK") != std::string::npos && line.find(" WRITE ") != std::string::npos &&
-        line.find(end) != std::string::npos)
-      return true;
-  return false;
-}
-
 bool runs(const fs::path& output, const SummaryRow& job, const std::optional<JobRecord>& record) {
-  if (is_locked_here(job.folder)) return true;
+  if (bake::is_in_use_here(job.folder)) return true;
   if (!record || record->exit_status) return false;
   if (record->host == name_of_this_host()) return is_there(record->process);
   const std::optional<fs::file_time_type> begun = time_of(job_record_file(output, job.job));

@@ -20,7 +20,7 @@ constexpr unsigned bar_cells = 24;
 constexpr std::chrono::seconds between_states{3}, between_shares{1};
 
 // One write per line, so that processes that share a stderr do not mix their lines. If its reader has ended,
-// as in `2>&1 | head`, nothing more is said, but the work goes on: the signal of a broken pipe would end it.
+// nothing more is said, but the work goes on: the signal of a broken pipe would end it.
 void put(const std::string& text) {
   sigset_t broken_pipe, before;
   sigemptyset(&broken_pipe);

@@ -25,7 +25,7 @@ void print_json(const bake::VerifyResult& result) {
   for (const bake::VerifiedFile& file : result.files)
     files.push_back({{"file", file.name}, {"good", file.is_good}, {"finding", file.finding}});
   std::cout << nlohmann::ordered_json{{"status", result.status},
-                                      {"cut_off", result.cut_off},
+                                      {"in_use_here", result.in_use_here},
                                       {"good", result.is_good()},
                                       {"files", files}}
                    .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
@@ -59,8 +59,13 @@ ExitCode verify(const VerifyArguments& arguments, Log& log) {
                           ": the bake is damaged or incomplete; --resume writes again what it can "
                           "from good frames, otherwise bake again with --overwrite");
   if (!arguments.json)
-    std::cout << arguments.bake << ": all files present are intact; the bake "
-              << (result.cut_off ? "was cut off; --resume continues it" : "is " + result.status) << "\n";
+    std::cout
+        << arguments.bake << ": all files present are intact; the bake "
+        << (result.status == "running" && !result.in_use_here
+                ? "says that it is running, but nothing on this computer writes there; if nothing elsewhere "
+                  "does, it was killed, and --resume continues it"
+                : "is " + result.status)
+        << "\n";
   return ExitCode::done;
 }
 

@@ -39,9 +39,7 @@ FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std
     : folder_(folder / extension), extension_(extension), first_number_(first_number) {
   base::make_own_folder(folder_);
   for (std::uint64_t k = 0; k < first; ++k)
-    if (!fs::exists(path_of(k)))
-      throw base::BakeError(path_of(k).string() +
-                            ": the bake to resume has lost this file; start again with --overwrite");
+    if (!base::has_content(path_of(k))) throw base::LostFile(path_of(k));
   const auto remove_frame = [&](std::uint64_t k) {
     const bool was_staged = fs::remove(path_of(k).string() + base::temporary_suffix);
     return fs::remove(path_of(k)) || was_staged;

@@ -42,13 +42,14 @@ const rig::Clip* clip_of(const scene::Scene& scene) {
 }
 
 // A warning if many of the frames lie outside the clip's keys, where it stands still, or empty. Handles do so
-// by intention.
+// by intention, and so does a pose.
 std::string warning_of_held_frames(const scene::Scene& scene, const rig::Clip& clip) {
   constexpr double longest_unsaid = 0.5;  // s
   const auto keys = key_times(clip);
-  if (!keys) return "";
+  if (!keys || keys->first == keys->second) return "";
   const double handles = static_cast<double>(scene.motion.handles) / scene.fps;
-  const double start = scene.start + handles, end = scene.end - handles;
+  // A held end includes the handles after it.
+  const double start = scene.start + handles, end = scene.end - (scene.motion.hold > 0.0 ? 0.0 : handles);
   const double before = std::min(keys->first, end) - start, after = end - std::max(keys->second, start);
   const auto held = [&](const char* pose, double seconds) {
     return std::string("its ") + pose + " pose is held for " +

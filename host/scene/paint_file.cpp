@@ -32,7 +32,7 @@ class Reader {
     try {
       document = json::parse(base::shallow_json(text));
     } catch (const json::exception&) {
-      fail("/", "not valid JSON, or nested too deep");
+      fail("/", "not valid JSON, or nested too deep, or with too many keys");
     }
     must_have("", document, {version_key, "surface", "vertices", "attributes"});
     if (document[version_key] != version)

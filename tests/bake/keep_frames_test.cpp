@@ -9,6 +9,7 @@
 #include "host/bake/manifest.h"
 #include "host/bake/options.h"
 #include "host/bake/outputs.h"
+#include "host/bake/sealed_json.h"
 #include "tests/bake/fake_bakes.h"
 
 namespace fascicle::tests {
@@ -125,6 +126,23 @@ TEST(BakeKeepFrames, ACompleteBakeThatLostAFileIsNotDone) {
                          "bake again with --overwrite"))
         << name;
   }
+}
+
+// One that stopped just before it removed its frames still has them, and what is lost is made from them.
+TEST(BakeKeepFrames, FramesThatAreLeftMendWhatIsLost) {
+  const TemporaryFolder folder;
+  fake_bake_into(without_frames(folder / "whole"), short_scene(6));
+  fake_bake_into(options_for(folder / "out"), short_scene(6));
+  nlohmann::json manifest = manifest_in(folder / "out");
+  manifest["frames_kept"] = false;
+  auto& files = manifest["files"].get_ref<nlohmann::json::array_t&>();
+  std::erase(files, nlohmann::json("frames.fascicle"));
+  write_text(folder / "out/manifest.json", bake::sealed_text(manifest));
+  fs::remove(folder / "out/surface.pc2");
+  BakeOptions options = without_frames(folder / "out");
+  options.resume = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(6)).frames_done, 6u);
+  EXPECT_EQ(content_of(folder / "out"), content_of(folder / "whole"));
 }
 
 TEST(BakeKeepFrames, ExportSaysThatThereAreNone) {

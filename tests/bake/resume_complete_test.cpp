@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include "host/bake/export.h"
+#include "host/bake/folder.h"
 #include "host/bake/manifest.h"
 #include "host/bake/verify.h"
 #include "tests/bake/fake_bakes.h"
@@ -181,6 +182,8 @@ TEST(BakeResume, OutputsThatLostFramesAreWrittenAgain) {
   }
   fs::remove(folder / "out/obj/frame_000002.obj");
   expect_mended("frame_000002.obj");
+  fs::resize_file(folder / "out/obj/frame_000003.obj", 0);
+  expect_mended("frame_000003.obj");
 }
 
 // While a lost output is written again, the checkpoint says so: half of it is never taken for whole.
@@ -214,13 +217,36 @@ TEST(BakeResume, WhatCannotBeWrittenAgainIsMissed) {
     EXPECT_EQ(marks_of(folder / "out"), before) << name;
     fs::rename(folder / "away", folder / ("out/" + name));
   }
+  const auto expect_refused_unchanged = [&](const std::string& reason) {
+    const auto before = marks_of(folder / "out");
+    EXPECT_TRUE(
+        contains(message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); }), reason));
+    EXPECT_EQ(marks_of(folder / "out"), before);
+  };
+  const std::string metrics = read_text(folder / "out/metrics.csv");
+  write_text(folder / "out/metrics.csv", metrics.substr(0, metrics.rfind('\n', metrics.size() - 2) + 1));
+  expect_refused_unchanged("holds fewer frames than the checkpoint");
+  write_text(folder / "out/metrics.csv", metrics);
   std::string frames = read_text(folder / "out/frames.fascicle");
   frames[frames.size() / 2] = static_cast<char>(frames[frames.size() / 2] ^ 4);
   write_text(folder / "out/frames.fascicle", frames);
-  const auto before = marks_of(folder / "out");
-  EXPECT_TRUE(contains(message_of<bake::BakeError>([&] { fake_bake_into(options, short_scene(4)); }),
-                       "frame 2 is damaged"));
-  EXPECT_EQ(marks_of(folder / "out"), before);
+  expect_refused_unchanged("frame 2 is damaged");
+}
+
+// Overwriting removes the checkpoint first. Nothing is left to resume then, and the bake starts again.
+TEST(BakeResume, AfterAnOverwritingThatWasInterruptedItStartsAgain) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto whole = content_of(folder / "out");
+  fs::remove(folder / "out/surface.pc2");
+  fs::create_directory(folder / "out/surface.pc2");
+  EXPECT_THROW(bake::clear_bake(folder / "out"), bake::BakeError);
+  fs::remove(folder / "out/surface.pc2");
+  EXPECT_FALSE(fs::exists(folder / "out/checkpoint"));
+  options.resume = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(4)).frames_done, 4u);
+  EXPECT_EQ(content_of(folder / "out"), whole);
 }
 
 // Without its checkpoint nothing says what a bake was of.

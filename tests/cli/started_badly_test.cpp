@@ -89,7 +89,7 @@ TEST(StartedBadly, ClosedStreamsLeaveNothingInOutputs) {
   }
 }
 
-// As in `2>&1 | head`: the bake goes on, and only its lines are lost.
+// The reader of stderr has ended: the bake goes on, and only its lines are lost.
 TEST(StartedBadly, ABakeWhoseLinesNobodyReadsGoesOn) {
   const TemporaryFolder folder;
   const Outcome outcome = started(with(bake_command(folder / "out"), "--verbose"), [] {

@@ -341,7 +341,7 @@ def control_of_files(bakes):
 
 
 def control_of_going_on(bakes):
-    """A bake that lost its checkpoint and so starts over; and one that lost a file."""
+    """A bake that lost its checkpoint is not replaced, and one that starts over is seen; so is one that lost a file."""
     bake = bakes[0]
     folder = bake.empty_folder()
     shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
@@ -349,6 +349,8 @@ def control_of_going_on(bakes):
         os.remove(os.path.join(folder, "checkpoint"))
         must_be_found(kept.hold_still_there, "a lost checkpoint")
         done = bake.run(folder, "--resume")
+        hold(done.returncode == 3 and "checkpoint" in done.stderr, done.stderr)
+        done = bake.run(folder, "--overwrite")
         hold(done.returncode == DONE, done.stderr)
         bake.hold_whole(folder)
         must_be_found(kept.hold_gone_on, "a bake that starts over")
