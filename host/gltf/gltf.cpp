@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "host/base/nearest_name.h"
 #include "host/gltf/gltf_attributes.h"
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
@@ -18,6 +19,7 @@
 #include "host/gltf/gltf_triangles.h"
 #include "host/gltf/gltf_weights.h"
 #include "host/gltf/weightless.h"
+#include "host/rig/paint.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
 
@@ -83,6 +85,7 @@ class Reader {
     note(normalised_, "had weights that do not sum to 1; they were normalised");
     note(weightless_, "followed no joint; they have the weights of what they are connected to");
     note(cut_, "followed more than 8 joints; the 8 of largest weight were kept");
+    note_unused_paint();
     return std::move(character_);
   }
 
@@ -272,6 +275,26 @@ class Reader {
       if (has_weights[i]) continue;
       influences[i] = influences[source[i]];
       ++weightless_;
+    }
+  }
+
+  // Painted attributes that look like one that acts by itself, and do not act. A scene file may name any.
+  void note_unused_paint() {
+    std::vector<std::string> names;
+    for (const rig::PaintKind& kind : rig::paint_kinds()) names.emplace_back(kind.name);
+    for (const rig::PaintedAttribute& attribute : character_.painted) {
+      const rig::PaintKind* kind = rig::find_paint_kind(attribute.name);
+      if (kind != nullptr && kind->width != attribute.width)
+        character_.notes.push_back("the attribute `" + attribute.name + "` has " +
+                                   std::to_string(attribute.width) + " numbers a vertex instead of " +
+                                   std::to_string(kind->width) + ", and is not used");
+      std::string upper = attribute.name;
+      for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+      const std::string hint =
+          kind == nullptr && upper.starts_with("_") ? base::nearest_name_hint(upper, names) : std::string();
+      if (!hint.empty())
+        character_.notes.push_back("the attribute `" + attribute.name +
+                                   "` is not used unless a scene file names it" + hint);
     }
   }
 

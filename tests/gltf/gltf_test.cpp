@@ -330,6 +330,25 @@ TEST(Gltf, the_eight_largest_of_twelve_weights_are_kept) {
   EXPECT_NEAR(sum, 1.0, 1e-15);
 }
 
+// Paint that does nothing because of its name or kind is said.
+TEST(Gltf, unused_paint_is_noted) {
+  const auto notes_of = [](const std::string& name, const std::string& type, std::size_t width) {
+    GltfBuilder b = column();
+    b.document["meshes"][0]["primitives"][0]["attributes"][name] =
+        b.add<float>(type, std::vector<float>(12 * width, 1.0f));
+    const Character c = read(b);
+    return c.notes.empty() ? std::string() : c.notes.back();
+  };
+  const std::string unused = " is not used unless a scene file names it; did you mean ";
+  EXPECT_EQ(notes_of("_layer", "SCALAR", 1), "the attribute `_layer`" + unused + "_LAYER?");
+  EXPECT_EQ(notes_of("_LAYERS", "SCALAR", 1), "the attribute `_LAYERS`" + unused + "_LAYER?");
+  EXPECT_EQ(notes_of("_STIFFNESS", "VEC4", 4),
+            "the attribute `_STIFFNESS` has 4 numbers a vertex instead of 1, and is not used");
+  // The controls: what acts, and names of one's own.
+  for (const char* name : {"_LAYER", "_STIFFNESS", "_RIGID", "_BATCHID", "_muscle_mask"})
+    EXPECT_EQ(notes_of(name, "SCALAR", 1), "");
+}
+
 // The column's raw units are centimetres with Z up: a fibre along z is along y in the bind pose.
 TEST(Gltf, painted_attributes_are_carried) {
   GltfBuilder b = column();
