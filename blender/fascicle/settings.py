@@ -72,8 +72,7 @@ class FascicleSettings(bpy.types.PropertyGroup):
     fat_group: StringProperty(name="Fat", description="Vertex group: the flesh below is fat")
     rigid_group: StringProperty(name="Rigid", description="Vertex group: skin that follows its bones alone")
     stiffness_group: StringProperty(
-        name="Stiffness", description="Vertex group: weights multiply the stiffness. The program then takes its "
-        "explicit integrator, in which flesh does not meet flesh")
+        name="Stiffness", description="Vertex group: weights from 0.01 to 1 multiply the stiffness")
     layers: CollectionProperty(type=FascicleLayer)
     layer_index: IntProperty()
 

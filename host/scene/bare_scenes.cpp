@@ -118,12 +118,11 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "where = { above = { axis = \"y\", fraction = 0.95 } }\n";
 }
 
-Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
+Stiffness stiffness_for(const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights) {
   if (integrator)
     return *integrator == name_of(Integrator::explicit_step) ? Stiffness::alpha : Stiffness::modulus;
-  if (weights == name_of(WeightForm::kaneda2017)) return Stiffness::alpha;
-  return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
+  return weights == name_of(WeightForm::kaneda2017) ? Stiffness::alpha : Stiffness::modulus;
 }
 
 rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) {
@@ -148,12 +147,11 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
   check_size(source + ": the character", size, longest_character,
              "scale it to metres in the program that made it");
   const double speed = size / seconds_across;
-  const std::string painted =
-      by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
+  const std::string painted = is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
   const auto stiffness = [&](const char* alpha, double of_muscle) {
-    return (by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "volume = 1.0\n"
+    return (by_alpha ? "alpha = " + std::string(alpha) + "\nvolume = 1.0\n"
                      : "youngs_modulus = " + rounded(of_muscle * Layer{}.density * speed * speed) + "\n") +
-           "damping = 12.0\n";
+           painted + "damping = 12.0\n";
   };
   // _LAYER: 1 is bone, 2 muscle, 3 fat. 0, the value of unpainted vertices, leaves the choice to the depth.
   constexpr int bone = 0, muscle = 1, rest = 2;

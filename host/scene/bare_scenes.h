@@ -17,9 +17,8 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
 // How layers state their stiffness: alpha for the explicit integrator, Young's modulus for the implicit one.
 enum class Stiffness { alpha, modulus };
 // Follows solver.integrator if the scene names one. Otherwise the modulus, except with solver.weights of the
-// paper, which the implicit integrator does not support, or with a painted _STIFFNESS, which default layers
-// use as a factor of alpha only.
-Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
+// paper, which the implicit integrator does not support.
+Stiffness stiffness_for(const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights);
 
 // For several characters, the input of layers_for_character: the vertices of the largest, and everything
@@ -27,9 +26,9 @@ Stiffness stiffness_for(const rig::Character& character, const std::optional<std
 rig::Character what_layers_go_by(const std::vector<rig::Character>& characters);
 
 // [layers.NAME] and [solver] for a character whose scene defines no layers: bone, muscle and fat as in figure
-// 9, by relative depth or, where _LAYER is painted, by that (1 bone, 2 muscle, 3 fat). Fibres come from the
-// fibre field, moduli scale with the character's size. Throws SceneError, starting with `source`, if the
-// character is smaller than a micrometre or larger than 3 km.
+// 9, by relative depth or, where _LAYER is painted, by that (1 bone, 2 muscle, 3 fat). A painted _STIFFNESS
+// multiplies. Fibres come from the fibre field, moduli scale with the character's size. Throws SceneError,
+// starting with `source`, if the character is smaller than a micrometre or larger than 3 km.
 std::string layers_for_character(const rig::Character& character, Stiffness stiffness,
                                  const std::string& source);
 std::string scene_for_character(const std::filesystem::path& path, const rig::Character& character,

@@ -93,14 +93,13 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       } catch (const InputFileError&) {
         // Found again, and reported with its location, when the scene is read.
       }
-      return parse_scene(
-          {stem,
-           name,
-           scene_for_character(path, character,
-                               stiffness_for(character, overridden(overrides, "solver.integrator"),
-                                             overridden(overrides, "solver.weights"))),
-           {}},
-          overrides);
+      return parse_scene({stem,
+                          name,
+                          scene_for_character(path, character,
+                                              stiffness_for(overridden(overrides, "solver.integrator"),
+                                                            overridden(overrides, "solver.weights"))),
+                          {}},
+                         overrides);
     }
   } catch (const InputFileError& error) {
     throw SceneError(error.what());

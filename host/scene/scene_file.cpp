@@ -329,7 +329,7 @@ bool add_layers(toml::table& root, const SceneText& input, const SceneOverrides&
     return set ? set : root["solver"][key].value<std::string>();
   };
   const rig::Character character = what_layers_go_by(characters);
-  const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
+  const Stiffness stiffness = stiffness_for(of_solver("integrator"), of_solver("weights"));
   toml::table defaults =
       parse_toml(layers_for_character(character, stiffness, input.source), "default layers");
   root.insert("layers", defaults["layers"]);

@@ -73,6 +73,24 @@ TEST_F(PaintCommand, TheFileAndThePaintedCharacterHaveTheSameBits) {
   }
 }
 
+// A factor of 1 changes no bit, in the solver that the character has without paint; 4 and 0.5 do act.
+TEST_F(PaintCommand, AStiffnessOfOneChangesNothing) {
+  const auto painted = [&](float factor) {
+    rig::PaintedVertices stiffness{"_STIFFNESS", {}, {}};
+    for (std::uint32_t v = 0; v < character_.surface.vertices.size(); ++v)
+      stiffness.vertex.push_back(v), stiffness.value.push_back(factor);
+    write_text(folder_.path() / "all.json",
+               scene::paint_text(
+                   {rig::surface_hash(character_.surface), character_.surface.vertices.size(), {stiffness}}));
+    return hashes_of("all", "file = \"made/character.glb\"\npaint = \"all.json\"");
+  };
+  const json bare = hashes_of("bare", "file = \"made/character.glb\"");
+  ASSERT_GE(bare.size(), 2u);
+  EXPECT_EQ(painted(1.0f), bare);
+  EXPECT_NE(painted(4.0f), bare);
+  EXPECT_NE(painted(0.5f), bare);
+}
+
 TEST_F(PaintCommand, ABakeGoesOnWithItsOwnPaintAlone) {
   const std::string character = "file = \"made/character.glb\"\npaint = \"bear.paint.json\"";
   write_paint("bear.paint.json", false, 0.8);

@@ -274,8 +274,15 @@ TEST(ScenePaint, AboveOneIsForModuli) {
 // Like a character whose own file has the same paint.
 TEST(ScenePaint, ACharacterWithoutLayersGoesByIt) {
   const PaintedArm stiff({{"_STIFFNESS", {3}, {0.5f}}});
-  EXPECT_EQ(stiff.scene("").solver.integrator, Integrator::explicit_step);
-  EXPECT_EQ(stiff.scene("").layers[0].alpha_attribute, "_STIFFNESS");
+  const Scene multiplied = stiff.scene("");
+  EXPECT_EQ(multiplied.solver.integrator, Integrator::implicit_step) << "paint does not change the solver";
+  EXPECT_EQ(multiplied.layers[0].alpha_attribute, "_STIFFNESS");
+  EXPECT_EQ(multiplied.layers[0].youngs_modulus,
+            PaintedArm({{"_RIGID", {3}, {0.5f}}}).scene("").layers[0].youngs_modulus);
+  // The paper's solver multiplies alpha instead.
+  const Scene by_paper = stiff.scene("", {.set = {"solver.integrator=explicit"}});
+  EXPECT_EQ(by_paper.layers[0].alpha_attribute, "_STIFFNESS");
+  EXPECT_FALSE(by_paper.layers[0].youngs_modulus);
   const PaintedArm layered({{"_LAYER", {3}, {2.0f}}});
   const Scene scene = layered.scene("");
   EXPECT_EQ(scene.solver.integrator, Integrator::implicit_step);
@@ -297,7 +304,9 @@ TEST(ScenePaint, ABareFileGoesByIt) {
   const std::filesystem::path file = folder.write("man.paint.json", paint_text(paint));
   const Scene painted = load_scene(man.string(), {.set = {"character.paint=" + file.string()}});
   EXPECT_EQ(plain.solver.integrator, Integrator::implicit_step);
-  EXPECT_EQ(painted.solver.integrator, Integrator::explicit_step);
+  EXPECT_EQ(painted.solver.integrator, Integrator::implicit_step);
+  EXPECT_TRUE(painted.contact.self);
+  EXPECT_EQ(painted.layers[0].alpha_attribute, "_STIFFNESS");
   EXPECT_EQ(painted.input_hashes.size(), plain.input_hashes.size() + 1);
   folder.write("man.paint.json", "{}");
   try {
