@@ -47,6 +47,15 @@ void expect_no_input(const std::vector<std::string>& arguments, const std::strin
   EXPECT_TRUE(contains(outcome.err, "is not a regular file")) << outcome.err;
 }
 
+// A direction override and a control character that begins a terminal's commands, in a name that a message
+// repeats.
+TEST(Strangers, NamesInJsonLogsAreEscaped) {
+  const Outcome outcome = fascicle({"bake", "\xE2\x80\xAE\xC2\x9B.glb", "--log-format", "json", "--dry-run"});
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_TRUE(contains(outcome.err, "\\u202e\\u009b.glb")) << outcome.err;
+  for (const char c : outcome.err) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << static_cast<int>(c);
+}
+
 void make_pipe(const std::string& path) {
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0) << path;
 }
