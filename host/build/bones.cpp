@@ -10,7 +10,7 @@ namespace fascicle::build {
 namespace {
 
 // Bone points keep this many spacings from each other and from the surface.
-constexpr double clearance = 0.5;
+constexpr double bone_clearance = 0.5;
 
 }  // namespace
 
@@ -25,9 +25,9 @@ std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const m
       const Vector3d point =
           bone.from + (static_cast<double>(k) / static_cast<double>(steps)) * (bone.to - bone.from);
       const bool crowded = std::any_of(points.begin(), points.end(), [&](const Vector3d& other) {
-        return (other - point).norm() < clearance * spacing;
+        return (other - point).norm() < bone_clearance * spacing;
       });
-      if (!crowded && !search.is_nearer_than(point, clearance * spacing) && search.is_inside(point))
+      if (!crowded && !search.is_nearer_than(point, bone_clearance * spacing) && search.is_inside(point))
         points.push_back(point);
     }
   }

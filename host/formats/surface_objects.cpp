@@ -250,9 +250,9 @@ class Reader {
 }  // namespace
 
 bool is_texture_name(const std::string& name) {
-  const std::string prefix = texture_prefix;
-  if (!name.starts_with(prefix) || !(name.ends_with(".png") || name.ends_with(".jpg"))) return false;
-  const std::string digits = name.substr(prefix.size(), name.size() - prefix.size() - 4);
+  if (!name.starts_with(texture_prefix) || !(name.ends_with(".png") || name.ends_with(".jpg"))) return false;
+  const std::size_t first = std::string_view(texture_prefix).size();
+  const std::string digits = name.substr(first, name.size() - first - 4);
   return digits.size() >= 3 &&
          std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
