@@ -23,6 +23,24 @@ bool fits(std::size_t width, std::size_t height) {
   return width > 0 && height > 0 && width <= most_texels / height;
 }
 
+// A short file must not cost much memory and time: a size that it cannot hold is refused. Neither bound can
+// refuse a whole file. Deflate makes at most 258 bytes of 2 bits; a JPEG's Huffman code spends at least one
+// bit on each block of 64 texels, which arithmetic coding need not.
+constexpr std::size_t most_inflated_per_byte = 258 * 8 / 2, most_jpeg_texels_per_byte = 64 * 8;
+
+std::string too_short(std::size_t width, std::size_t height, std::size_t bytes) {
+  return "is cut off or damaged: " + std::to_string(bytes) + " bytes cannot hold " + std::to_string(width) +
+         " x " + std::to_string(height);
+}
+
+// Bits of a texel as the header says, which libpng has checked (PNG specification, 11.2.2).
+std::size_t png_bits(std::span<const unsigned char> bytes) {
+  constexpr std::size_t depth_at = 24, colour_at = 25;
+  const unsigned colour = bytes[colour_at];
+  const std::size_t channels = colour == 2 ? 3 : colour == 4 ? 2 : colour == 6 ? 4 : 1;
+  return channels * bytes[depth_at];
+}
+
 DecodedImage decode_png(std::span<const unsigned char> bytes) {
   DecodedImage image;
   // The simplified interface reports errors by value.
@@ -34,6 +52,11 @@ DecodedImage decode_png(std::span<const unsigned char> bytes) {
   }
   if (!fits(png.width, png.height)) {
     image.flaw = too_large(png.width, png.height);
+  } else if (std::size_t{png.width} * png.height / 8 * png_bits(bytes) / most_inflated_per_byte >
+             bytes.size()) {
+    image.flaw = too_short(png.width, png.height, bytes.size());
+  }
+  if (!image.flaw.empty()) {
     png_image_free(&png);
     return image;
   }
@@ -115,6 +138,9 @@ DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
   const std::size_t width = reader.jpeg.image_width, height = reader.jpeg.image_height;
   if (is_read && !fits(width, height)) {
     image.flaw = too_large(width, height);
+  } else if (is_read && reader.jpeg.arith_code == 0 &&
+             width * height / most_jpeg_texels_per_byte > bytes.size()) {
+    image.flaw = too_short(width, height, bytes.size());
   } else if (is_read) {
     texels = {static_cast<unsigned>(width), static_cast<unsigned>(height),
               std::vector<std::uint8_t>(4 * width * height)};

@@ -266,24 +266,46 @@ TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
       EXPECT_TRUE(!image.texels.values.empty() || !image.flaw.empty());
     }
   }
-  // A header of 60000 x 60000 with a correct checksum is refused before memory is allocated.
-  std::vector<unsigned char> huge = png;
+}
+
+// With another size in its header and a correct checksum.
+std::vector<unsigned char> sized_png(std::vector<unsigned char> png, unsigned size) {
   for (const std::size_t at : {std::size_t{16}, std::size_t{20}}) {
-    huge[at + 2] = 60000 / 256;
-    huge[at + 3] = 60000 % 256;
+    png[at + 2] = static_cast<unsigned char>(size / 256);
+    png[at + 3] = static_cast<unsigned char>(size % 256);
   }
   std::uint32_t crc = 0xffffffffu;
   for (std::size_t k = 12; k < 29; ++k) {
-    crc ^= huge[k];
+    crc ^= png[k];
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0u);
   }
-  for (std::size_t k = 0; k < 4; ++k) huge[29 + k] = static_cast<unsigned char>(~crc >> (24 - 8 * k));
-  const render::DecodedImage image = render::decode_image(huge);
+  for (std::size_t k = 0; k < 4; ++k) png[29 + k] = static_cast<unsigned char>(~crc >> (24 - 8 * k));
+  return png;
+}
+
+TEST(DecodeImage, LargeOnesAreRefusedBeforeMemoryIsAllocated) {
+  const render::DecodedImage image = render::decode_image(sized_png(png_of(plain_image(40, 30)), 60000));
   EXPECT_TRUE(image.texels.values.empty());
   EXPECT_NE(image.flaw.find("60000 x 60000 is larger"), std::string::npos) << image.flaw;
 }
 
-// Each scan covers the whole picture, so the limit on scans depends on its size.
+TEST(DecodeImage, SizesThatAFileCannotHoldAreRefused) {
+  const render::DecodedImage image = render::decode_image(sized_png(png_of(plain_image(40, 30)), 5000));
+  EXPECT_TRUE(image.texels.values.empty());
+  EXPECT_NE(image.flaw.find("bytes cannot hold 5000 x 5000"), std::string::npos) << image.flaw;
+  // What compresses best is read: one colour, near the bound.
+  const std::vector<unsigned char> flat = png_of(plain_image(1500, 1500));
+  EXPECT_LT(flat.size(), std::size_t{1500} * 1500 * 3 / 300);
+  EXPECT_EQ(render::decode_image(flat).texels.width, 1500u);
+  for (const bool is_progressive : {false, true}) {
+    const std::vector<unsigned char> plain = jpeg_of(plain_image(1500, 1500), is_progressive);
+    EXPECT_LT(plain.size(), std::size_t{1500} * 1500 / 60);
+    EXPECT_EQ(render::decode_image(plain).flaw, "");
+  }
+}
+
+// JPEG of 4096 x 8192 in too few bytes is refused. In a longer file each scan covers the whole picture, so
+// the limit on scans depends on its size.
 TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
   const std::vector<unsigned char> whole = jpeg_of(plain_image(40, 30), true);
   const auto find = [&](unsigned char marker) {
@@ -296,13 +318,17 @@ TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
   for (int k = 0; k < 100; ++k) busy.insert(busy.end(), last_scan, end);
   busy.insert(busy.end(), end, whole.end());
   EXPECT_EQ(render::decode_image(busy).texels.width, 40u);
-  // Sets the frame's height and width: 4096 x 8192, for which up to about ten scans are allowed.
+  // Sets the frame's height and width: 4096 x 8192, for which up to about ten scans are allowed. What follows
+  // the end of the picture makes the file long enough for it.
   const auto sized = [&](std::vector<unsigned char> bytes) {
     const auto at = static_cast<std::size_t>(frame - whole.begin()) + 5;
     for (const std::size_t k : {0u, 2u}) {
       bytes[at + k] = k == 0 ? 0x10 : 0x20;
       bytes[at + k + 1] = 0;
     }
+    const std::string flaw = render::decode_image(bytes).flaw;
+    EXPECT_NE(flaw.find("bytes cannot hold 8192 x 4096"), std::string::npos) << flaw;
+    bytes.resize(bytes.size() + 4096 * 8192 / 512);
     return bytes;
   };
   EXPECT_EQ(render::decode_image(sized(whole)).texels.width, 8192u);
