@@ -79,6 +79,7 @@ void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32
   if (readback_.size() < results_bytes_) readback_ = Buffer(*device_, results_bytes_, BufferUse::readback);
   pool.reset();
   slices_of_submission.clear();
+  fence.reset();
 }
 
 void FrameSlot::make_sets() {
@@ -117,7 +118,6 @@ void FrameSlot::record_readback(CommandBuffer& commands, bool swapped) const {
 
 model::Frame FrameSlot::finish(SubmissionPace& pace) {
   fence.wait();
-  fence.reset();
   for (std::uint32_t s = 0; s < slices_of_submission.size(); ++s)
     if (const std::optional<double> elapsed = timestamps.elapsed(s))
       pace.learn(slices_of_submission[s], *elapsed);

@@ -40,7 +40,8 @@ class FrameSlot {
   void record_upload(CommandBuffer& commands) const;
   void record_readback(CommandBuffer& commands, bool swapped) const;
 
-  // Waits for the frame and returns its results.
+  // Waits for the frame and returns its results. The fence stays signalled: if this throws, for lack of
+  // memory, it can be called again.
   model::Frame finish(SubmissionPace& pace);
 
   std::uint64_t index = 0;

@@ -56,6 +56,9 @@ class VulkanSolver : public model::Solver {
         options_(options),
         plan_(substep_plan(model, options, false)),
         probed_plan_(substep_plan(model, options, true)) {
+    // A frame that has been submitted must be kept, so this may not fail then.
+    free_.reserve(most_frames_in_flight);
+    pending_.reserve(most_frames_in_flight);
     VulkanSolver::load(model::rest_state(model));
     warm_up();
   }
@@ -187,7 +190,7 @@ class VulkanSolver : public model::Solver {
   void finish_oldest() {
     FrameSlot* slot = pending_.front();
     done_.push_back(slot->finish(pace_));
-    pending_.pop_front();
+    pending_.erase(pending_.begin());
     free_.push_back(slot);
   }
 
@@ -325,9 +328,9 @@ class VulkanSolver : public model::Solver {
   double step_before_ = 0.0;      // s: of the last substep; 0 if it is no history
   std::vector<std::unique_ptr<FrameSlot>> slots_;
   std::vector<FrameSlot*> free_;
-  std::deque<FrameSlot*> pending_;  // at most most_frames_in_flight
-  std::deque<Frame> done_;          // finished but not yet collected; older than all pending
-  bool swapped_ = false;            // which of the two skinned buffers is the current one
+  std::vector<FrameSlot*> pending_;  // oldest first, at most most_frames_in_flight
+  std::deque<Frame> done_;           // finished but not yet collected; older than all pending
+  bool swapped_ = false;             // which of the two skinned buffers is the current one
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};
 };
