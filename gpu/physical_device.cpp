@@ -165,10 +165,16 @@ PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index) {
   vkGetPhysicalDeviceMemoryProperties(handle, &device.memory);
   device.limits = core.limits;
   MoreProperties more;
+  // A driver that fails must not hide the other devices, nor change their numbers.
+  std::string failure;
   if (core.apiVersion >= VK_API_VERSION_1_1) {
-    const Extensions extensions(handle);
-    device.float_controls_extension = extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME);
-    more = more_properties(handle, extensions);
+    try {
+      const Extensions extensions(handle);
+      device.float_controls_extension = extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME);
+      more = more_properties(handle, extensions);
+    } catch (const DeviceError& error) {
+      failure = std::string("its driver failed: ") + error.what();
+    }
   }
   device.info = info_of(core, more, device.memory);
   device.info.index = index;
@@ -179,7 +185,7 @@ PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index) {
     device.queue_family = *family;
     device.has_timestamps = families[*family].timestampValidBits > 0;
   }
-  device.info.why_not = refusal(core, family.has_value());
+  device.info.why_not = failure.empty() ? refusal(core, family.has_value()) : failure;
   device.info.usable = device.info.why_not.empty();
   return device;
 }

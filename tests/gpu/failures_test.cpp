@@ -268,6 +268,28 @@ TEST_F(Failures, OfACollectEndWithALoad) {
   }
 }
 
+// Each device keeps its number.
+TEST_F(Failures, OfADriverLeavesTheOtherDevices) {
+  static int queries_left = 0;
+  static PFN_vkEnumerateDeviceExtensionProperties enumerate = nullptr;
+  const std::vector<gpu::DeviceInfo> before = gpu::list_devices();
+  enumerate = vkEnumerateDeviceExtensionProperties;
+  vkEnumerateDeviceExtensionProperties = [](VkPhysicalDevice device, const char* layer, std::uint32_t* count,
+                                            VkExtensionProperties* properties) {
+    return queries_left-- > 0 ? enumerate(device, layer, count, properties) : VK_ERROR_OUT_OF_HOST_MEMORY;
+  };
+  queries_left = 2 * static_cast<int>(before.size()) - 1;  // two for each device: the last fails
+  const std::vector<gpu::DeviceInfo> after = gpu::list_devices();
+  vkEnumerateDeviceExtensionProperties = enumerate;
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    EXPECT_EQ(after[k].index, k);
+    EXPECT_EQ(after[k].name, before[k].name);
+    EXPECT_EQ(after[k].usable, before[k].usable && k + 1 < after.size());
+  }
+  EXPECT_NE(after.back().why_not.find("its driver failed"), std::string::npos) << after.back().why_not;
+}
+
 TEST_F(Failures, OfTheMessengerDestroysTheInstance) {
   const gpu::DeviceOptions validated{.validation = true};
   if (const std::string said = message(validated); said != "opened") {
