@@ -194,9 +194,12 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (const std::uint64_t first = number_of_first(scene, options); first != 0)
     identity.emplace_back("--first-frame", base::number_text(first));
-  identity.emplace_back("device",
-                        options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
+  identity.emplace_back("device", identity_of(options.device));
   return identity;
+}
+
+std::string identity_of(const DeviceDescription& device) {
+  return device.exact ? "exact" : device.name + ", " + device.driver;
 }
 
 std::vector<Difference> differences(const Identity& before, const Identity& now) {

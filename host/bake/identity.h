@@ -15,8 +15,10 @@ namespace fascicle::bake {
 // XXH3-64 of everything in the model: two models with the same hash give the same bake for the same drives.
 std::uint64_t model_hash(const model::Model& model);
 
-// Named values that determine every byte of the result files, in a fixed order. An exact device is not named:
-// any other exact device continues with the same bits.
+// The same for devices that make the same bits: all exact ones, or one that is not.
+std::string identity_of(const DeviceDescription& device);
+
+// Named values that determine every byte of the result files, in a fixed order.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 Identity identity_of(const scene::Scene& scene, std::uint64_t model_hash, const BakeOptions& options);
 

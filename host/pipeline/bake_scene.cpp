@@ -11,6 +11,7 @@
 
 #include "host/bake/expected_look.h"
 #include "host/bake/folder.h"
+#include "host/bake/identity.h"
 #include "host/bake/options.h"
 #include "host/base/content_hash.h"
 #include "host/build/cache.h"
@@ -226,16 +227,17 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
 }
 
 bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
-  const std::size_t first_device = prepared.devices_tried;
-  const bool was_exact = prepared.simulation.device.description().exact;
+  std::string device_before;
   return on_a_device(prepared, request, say, [&] {
     bake::BakeOptions options;
     static_cast<bake::BakeOutput&>(options) = request.output;
     // Keep the failed device's frames, unless the next device's bits would differ.
-    if (prepared.devices_tried > first_device) {
-      options.resume = prepared.simulation.device.description().exact == was_exact;
+    const std::string device = bake::identity_of(prepared.simulation.device.description());
+    if (!device_before.empty()) {
+      options.resume = device == device_before;
       options.overwrite = !options.resume;
     }
+    device_before = device;
     options.substeps = prepared.built.steps.substeps;
     options.iterations = prepared.built.steps.iterations;
     options.device = prepared.simulation.device.description();

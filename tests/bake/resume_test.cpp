@@ -184,6 +184,22 @@ TEST(Checkpoint, IsWhatItsHeaderDescribes) {
   EXPECT_EQ(at + 8, bytes.size()) << "the checksum is the last field";
 }
 
+// A bake whose device failed goes on with its frames only where the next device makes the same bits.
+TEST(Identity, OfDevicesIsTheSameForTheSameBits) {
+  bake::DeviceDescription gpu, cpu;
+  gpu.name = "A";
+  gpu.driver = "1";
+  cpu.name = "B";
+  EXPECT_EQ(bake::identity_of(gpu), bake::identity_of(cpu));
+  bake::DeviceDescription inexact = gpu, other = gpu, newer = gpu;
+  inexact.exact = other.exact = newer.exact = false;
+  other.name = "C";
+  newer.driver = "2";
+  EXPECT_EQ(bake::identity_of(inexact), bake::identity_of(bake::DeviceDescription(inexact)));
+  for (const bake::DeviceDescription& device : {gpu, cpu, other, newer})
+    EXPECT_NE(bake::identity_of(inexact), bake::identity_of(device));
+}
+
 TEST(BakeResume, StartsWhereThereIsNothing) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
