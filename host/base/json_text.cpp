@@ -6,11 +6,11 @@ namespace fascicle::base {
 
 namespace {
 
-constexpr unsigned deepest_nesting = 64, most_keys = 10'000;
+constexpr unsigned deepest_nesting = 64;
 
 }  // namespace
 
-std::string_view shallow_json(std::string_view text) {
+std::string_view shallow_json(std::string_view text, unsigned most_keys) {
   std::array<unsigned, deepest_nesting + 1> keys{};  // of the innermost object at each level
   unsigned level = 0;
   bool is_in_string = false;

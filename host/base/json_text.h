@@ -6,9 +6,9 @@
 namespace fascicle::base {
 
 // Returns the text unchanged, or an empty text, which is not JSON, if values are nested deeper than 64
-// levels, or an object has more than 10,000 keys. nlohmann copies ordered values by recursion, and a few
+// levels, or an object has more than `most_keys` keys. nlohmann copies ordered values by recursion, and a few
 // hundred kilobytes of text can nest deeply enough to overflow a stack. It finds a key by comparing with all
 // before it: a megabyte of keys would take a minute.
-std::string_view shallow_json(std::string_view text);
+std::string_view shallow_json(std::string_view text, unsigned most_keys = 10'000);
 
 }  // namespace fascicle::base

@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "host/bake/options.h"
+#include "host/base/json_text.h"
 #include "host/base/nearest_name.h"
 #include "host/base/text.h"
 #include "host/studio/wire.h"
@@ -18,6 +19,7 @@ constexpr double farthest = 1e6;  // m, N
 constexpr double slowest = 0.01, fastest = 4.0;
 
 constexpr std::size_t most_stroke_places = 256;
+constexpr unsigned most_keys = 1000;
 constexpr double largest_brush = 1e3;  // m
 constexpr std::array<std::string_view, 19> verbs{
     "show", "play",   "pause", "step",   "seek", "speed", "loop",   "restart", "set",   "undo",
@@ -43,9 +45,11 @@ Json parse_json(std::string_view text) {
     return true;
   };
   try {
-    return Json::parse(text, bounded);
+    // The session waits while a message is read, so an object's keys, each compared with all before it, must
+    // be few.
+    return Json::parse(base::shallow_json(text, most_keys), bounded);
   } catch (const Json::exception&) {
-    throw BadMessage("not valid JSON");
+    throw BadMessage("not valid JSON, or too large an object");
   }
 }
 

@@ -34,6 +34,7 @@ using beast::error_code;
 namespace {
 
 constexpr auto request_patience = std::chrono::seconds(30);  // to receive a request, and to send an answer
+constexpr auto parting_patience = std::chrono::seconds(5);   // for a page that is sent away to say goodbye
 constexpr std::uint32_t longest_header = 16 << 10;
 constexpr std::uint64_t longest_body = 1 << 10;
 // The kernel's send buffer per page: small, so that for slow pages frames are dropped here instead of queued
@@ -149,7 +150,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
       if (error) return self->is_gone();
       std::string bytes = beast::buffers_to_string(self->buffer_.data());
       self->buffer_.consume(self->buffer_.size());
-      if (self->server_.events.received)
+      if (self->server_.events.received && !self->is_sent_away())
         self->server_.events.received(self->number_, self->stream_.got_text(), std::move(bytes));
       self->read();
     });
@@ -159,16 +160,30 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
     asio::post(server_.context, [self = shared_from_this()] { self->write(); });
   }
 
+  bool is_sent_away() const {
+    const std::lock_guard lock(mutex_);
+    return reason_ || is_over_;
+  }
+
+  // A page that does not read ends no write and reads no close message.
+  void drop_after_a_while() {
+    parting_.emplace(server_.context, parting_patience);
+    parting_->async_wait([self = shared_from_this()](error_code error) {
+      if (!error) self->drop();
+    });
+  }
+
   void write() {
-    if (is_writing_ || is_closed_) return;
+    if (is_closed_) return;
     {
       const std::lock_guard lock(mutex_);
       if (is_over_) {
-        // A page that does not read would not read a close message either.
         is_closed_ = true;
         drop();
         return;
       }
+      if (reason_ && !parting_) drop_after_a_while();
+      if (is_writing_) return;
       if (!waiting_.empty()) {
         current_ = std::move(waiting_.front());
         waiting_.pop_front();
@@ -199,6 +214,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
 
   void is_gone() {
     is_closed_ = true;
+    if (parting_) parting_->cancel();
     {
       const std::lock_guard lock(mutex_);
       is_over_ = true;
@@ -214,6 +230,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
   const PageId number_;
   beast::flat_buffer buffer_;
   bool is_writing_ = false, is_closed_ = false;
+  std::optional<asio::steady_timer> parting_;
   Outgoing current_;
 
   mutable std::mutex mutex_;  // guards the members below

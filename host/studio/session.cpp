@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <ctime>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "host/base/errors.h"
@@ -18,6 +20,12 @@ namespace fascicle::studio {
 namespace {
 
 constexpr unsigned most_refused = 100;  // refused messages from a page before it is disconnected
+
+// A file may be named in several ways. Built-in scenes are not files.
+bool is_same_source(const std::string& a, const std::string& b) {
+  std::error_code none;
+  return a == b || std::filesystem::equivalent(a, b, none);
+}
 
 }  // namespace
 
@@ -36,7 +44,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   bake::make_folder(options_.folder);
   lock_.emplace(options_.folder);
   if (std::optional<SessionRecord> record = read_session(options_.folder)) {
-    if (record->source == source_ && record->base_hash == base_hash_) {
+    if (is_same_source(record->source, source_) && record->base_hash == base_hash_) {
       history_.emplace(std::move(record->steps), record->at);
       saved_file_ = record->saved_file;
       saved_hash_ = record->saved_hash;
@@ -86,8 +94,12 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   prepared_.paints = history_->paints();
   publish(prepared_);
   writer_ = std::make_unique<SessionWriter>(options_.folder, [this](const std::string& error) {
-    if (!error.empty()) return pipeline::say_warning(say_, "the session could not be saved: " + error);
+    if (!error.empty()) pipeline::say_warning(say_, "the session could not be saved: " + error);
     const std::lock_guard lock(mutex_);
+    if (!error.empty())
+      return broadcast({{"type", "failed"},
+                        {"what", "autosave"},
+                        {"error", "Changes could not be saved to disk, and would be lost: " + error}});
     autosaved_ = std::time(nullptr);
     broadcast(history_json());
   });

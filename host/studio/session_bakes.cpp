@@ -80,8 +80,10 @@ void Session::record() {
 // paint files there, by key.
 std::string Session::text_in_folder(const std::map<std::string, std::string>& paint_names) const {
   std::vector<scene::KeyChange> changes;
-  // "." because names in the working directory have no folder.
-  const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
+  // "." because names in the working directory have no folder. Canonical because ".." leaves the folder that
+  // a link leads to, not the one that has the link.
+  const fs::path from = fs::weakly_canonical(source_folder_ / "."),
+                 to = fs::weakly_canonical(options_.folder);
   for (const scene::EditedTable& table : tables_)
     for (const scene::EditedKey& key : table.keys) {
       const bool is_paint = key.key->name == "paint";

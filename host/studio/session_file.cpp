@@ -32,6 +32,15 @@ bool names_a_paint(std::string_view key) {
          is_plain_name(key.substr(before.size(), key.size() - before.size() - after.size()));
 }
 
+// A scene file in the session's folder. A scene's own name may have characters that a page may not choose.
+bool names_a_scene_file(std::string_view name) {
+  constexpr std::string_view extension = ".toml";
+  constexpr std::size_t longest = 255;
+  return name.size() > extension.size() && name.size() <= longest && name.ends_with(extension) &&
+         name.front() != '.' && name.find('/') == std::string_view::npos &&
+         name.find('\0') == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string session_text(const SessionRecord& record) {
@@ -86,7 +95,7 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     }
     if (record.at >= record.steps.size()) return std::nullopt;
     // The session writes to this file, so a session file from elsewhere must not name one outside the folder.
-    if (!record.saved_file.empty() && !is_plain_name(record.saved_file)) return std::nullopt;
+    if (!record.saved_file.empty() && !names_a_scene_file(record.saved_file)) return std::nullopt;
     return record;
   } catch (const Json::exception&) {
     return std::nullopt;

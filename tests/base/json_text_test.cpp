@@ -39,6 +39,8 @@ TEST(JsonText, AnObjectWithTooManyKeysIsNoJson) {
   EXPECT_EQ(base::shallow_json(object(10'000)), object(10'000));
   EXPECT_TRUE(nlohmann::ordered_json::accept(object(10'000)));
   EXPECT_TRUE(base::shallow_json(object(10'001)).empty());
+  EXPECT_EQ(base::shallow_json(object(10), 10), object(10));
+  EXPECT_TRUE(base::shallow_json(object(11), 10).empty());
   EXPECT_TRUE(base::shallow_json("[{}," + object(1'000'000) + "]").empty());
   // The control: many objects with few keys.
   std::string text = "[";

@@ -122,6 +122,9 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
                 .find("deeper"),
             std::string::npos);
   EXPECT_NE(refusal(std::string(100000, '[')), "");
+  std::string many = R"({"type":"pause","a":0)";
+  for (int k = 0; k < 1000; ++k) many += ",\"" + std::to_string(k) + "\":0";
+  EXPECT_EQ(refusal(many + "}"), "not valid JSON, or too large an object");
 }
 
 // Random messages are accepted or refused, and nothing else happens. FASCICLE_FUZZ_MESSAGES sets their

@@ -235,6 +235,18 @@ TEST_F(ServerTest, APageThatDoesNotReadIsCutOffWhereItMustHaveAll) {
   EXPECT_TRUE(soon([&] { return message.use_count() == 1; })) << message.use_count();
 }
 
+// It is sent away while a message that it does not read is on its way, and is not listened to any more.
+TEST_F(ServerTest, APageThatDoesNotReadCannotStay) {
+  Client client(server_.port(), token_, {.receive_buffer = 4096});
+  ASSERT_TRUE(soon([&] { return opened_ == 1; }));
+  for (int k = 0; k < 12; ++k) server_.send_text(page_, std::make_shared<const std::string>(65536, 'x'));
+  server_.close(page_, "enough");
+  client.say_text("unheard");
+  EXPECT_TRUE(soon([&] { return closed_ == 1; }));
+  const std::lock_guard lock(mutex_);
+  EXPECT_TRUE(received_.empty());
+}
+
 TEST(Server, APortThatIsTakenIsSaid) {
   const Server one({.token = "a"}, {});
   try {

@@ -89,6 +89,9 @@ TEST_F(SessionTest, ASavedSceneFindsItsFiles) {
                     "[scene]\nend = 0.1\n[mesh]\nfile = \"meshes/body.mesh\" # two of them\n"
                     "[layers.body]\nalpha = 0.5\n"
                     "[pin.floor]\nwhere = { below = { axis = \"y\", fraction = 0.0 } }\n");
+  // The session's folder is a link to one at another depth.
+  fs::create_directories(folder_ / "scratch" / "disk");
+  fs::create_directory_symlink(folder_ / "scratch" / "disk", folder_ / "session");
   const Running studio = open();
   const auto client = studio.open();
   start_of(*client);
@@ -99,7 +102,7 @@ TEST_F(SessionTest, ASavedSceneFindsItsFiles) {
   client->say({{"type", "bake"}});
   EXPECT_EQ(client->wait_for("saved").at("file"), (folder_ / "session" / "two.toml").string());
   EXPECT_EQ(client->wait_for("baked").at("position_hash"), recorded.at("position_hash"));
-  EXPECT_NE(read(folder_ / "session" / "two.toml").find("\"../scenes/meshes/body.mesh\" # two of them"),
+  EXPECT_NE(read(folder_ / "session" / "two.toml").find("\"../../scenes/meshes/body.mesh\" # two of them"),
             std::string::npos);
 }
 

@@ -41,6 +41,18 @@ TEST(SessionFile, ReadsBack) {
   EXPECT_EQ(again->steps[1].label, "softer");
 }
 
+// The history of a scene with any name outlives its first save.
+TEST(SessionFile, SavedSceneMayHaveAnyFileName) {
+  for (const std::string name : {"my bar.toml", "man (1).toml", "m\xc3\xbcller.toml"}) {
+    SessionRecord record = sample();
+    record.saved_file = name;
+    const auto again = parse_session(studio::session_text(record));
+    ASSERT_TRUE(again) << name;
+    EXPECT_EQ(again->saved_file, name);
+    EXPECT_EQ(again->steps.size(), 2u);
+  }
+}
+
 // Steps that share a paint store it once.
 TEST(SessionFile, KeepsPaintOnce) {
   SessionRecord record = sample();
@@ -76,7 +88,8 @@ TEST(SessionFile, WhatIsDamagedIsNoSession) {
   EXPECT_FALSE(parse_session("{}"));
   EXPECT_FALSE(parse_session("[]"));
   // File names outside the folder are refused, because bakes write to them.
-  for (const char* elsewhere : {"../man.toml", "/root/.bashrc", ".bashrc", "a/b.toml"}) {
+  for (const char* elsewhere :
+       {"../man.toml", "/root/.bashrc", ".bashrc", "a/b.toml", ".toml", "man", "/man.toml"}) {
     SessionRecord stranger = sample();
     stranger.saved_file = elsewhere;
     EXPECT_FALSE(parse_session(studio::session_text(stranger))) << elsewhere;

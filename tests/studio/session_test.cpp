@@ -226,7 +226,9 @@ TEST_F(SessionTest, WhatWasChangedIsThereAfterAKill) {
     fs::create_directories(copy);
     fs::copy_file(folder_ / "session" / studio::session_file_name, copy / studio::session_file_name);
   }
-  const Running again(scene_.string(), copy, folder_ / "cache");
+  // With another name for the same file.
+  const fs::path name = scene_.parent_path() / "." / scene_.filename();
+  const Running again(name.string(), copy, folder_ / "cache");
   const auto client = again.open();
   const Start start = start_of(*client);
   EXPECT_EQ(start.messages.at("hello").at("restored"), true);

@@ -41,9 +41,7 @@ export class Dialogs {
   private async bake(): Promise<void> {
     element("bake-error").textContent = "";
     element("bake-files").replaceChildren();
-    element("bake-progress").hidden = false;
-    element("bake-cancel").hidden = false;
-    element<HTMLButtonElement>("bake-go").disabled = true;
+    this.show_bake(true);
     try {
       await this.user.command("bake", {
         folder: element<HTMLInputElement>("bake-name").value,
@@ -62,10 +60,14 @@ export class Dialogs {
     return input.value;
   }
 
+  private show_bake(is_running: boolean): void {
+    element("bake-progress").hidden = !is_running;
+    element("bake-cancel").hidden = !is_running;
+    element<HTMLButtonElement>("bake-go").disabled = is_running;
+  }
+
   end_bake(): void {
-    element("bake-progress").hidden = true;
-    element("bake-cancel").hidden = true;
-    element<HTMLButtonElement>("bake-go").disabled = false;
+    this.show_bake(false);
   }
 
   baked(message: Extract<ServerMessage, { type: "baked" }>): void {
@@ -94,6 +96,8 @@ export class Dialogs {
   }
 
   baking(message: Extract<ServerMessage, { type: "baking" }>): void {
+    // Also for a page that did not begin the bake: a reloaded one, or another.
+    this.show_bake(true);
     const before = message.phase === "build" ? "Building the body" : "Running the lead-in";
     element("bake-phase").textContent =
       message.phase === "frames" ? `Frame ${message.frame} of ${message.frames}` : before;

@@ -162,7 +162,7 @@ export type ServerMessage =
   | { type: "changed"; revision: number; changes: Record<string, KeyValue>; effect: string; message: string }
   | { type: "applied"; revision: number; effect: string; seconds: number; sequence: number }
   | { type: "device"; device: string }
-  | { type: "failed"; what: "change" | "motion" | "bake" | "beside"; error: string }
+  | { type: "failed"; what: "change" | "motion" | "bake" | "beside" | "autosave"; error: string }
   | { type: "hand"; is_held: boolean; vertices: number; force: [number, number, number] }
   | { type: "recorded"; frames: number; position_hash: string; seconds: number }
   | { type: "saved"; file: string; kept_comments: boolean; message: string }
