@@ -67,6 +67,8 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
 
   // The saved file bakes to what was shown: from the page, and by the program.
   EXPECT_EQ(seen["baked"], seen["hashes"][1]);
+  EXPECT_EQ(seen["other"], json({true, true}))
+      << "a page that did not begin the bake: Stop, and it goes at the end";
   const fs::path session = fs::path(FASCICLE_BINARY_DIR) / "screenshots/studio/session";
   ASSERT_TRUE(fs::exists(session / "soft.toml"));
   const Outcome baked =

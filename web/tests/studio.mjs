@@ -107,9 +107,21 @@ await shot("save");
 report.axe.save = await violations();
 await page.click("#save-close");
 await page.locator("#picture").focus();
+// Another page, like one that was reloaded, can stop the bake too.
+const other = (await open_page(browser)).page;
+await other.goto(page.url(), { waitUntil: "commit" });
+await other.waitForFunction(() => document.documentElement.dataset.state === "ready");
+await other.evaluate(() => {
+  const stop = document.getElementById("bake-cancel");
+  window.could_stop = false;
+  new MutationObserver(() => (window.could_stop ||= !stop.hidden)).observe(stop, { attributes: true });
+});
 await press("k");
 await page.click("#bake-go");
 await wait_for("baked", null);
+await other.waitForFunction(() => document.documentElement.dataset.baked !== undefined);
+report.other = await other.evaluate(() => [window.could_stop, document.getElementById("bake-cancel").hidden]);
+await other.close();
 report.baked = await state("baked");
 report.files = await page.locator("#bake-files li").allTextContents();
 await shot("baked");

@@ -146,6 +146,7 @@ report.bone.push(await page.textContent("#bone-why"));
 await applied(() => page.click("#undo"));
 report.bone.push(await page.textContent("#bone-why"));
 const undo_title = await page.getAttribute("#undo", "title");
+const before_click = await state("applied");
 let clicked = false;
 await compare("sides");
 for (let j = 0; j < 12 && !clicked; ++j)
@@ -155,6 +156,8 @@ for (let j = 0; j < 12 && !clicked; ++j)
     clicked = (await page.getAttribute("#undo", "title")) !== undo_title;
   }
 report.clicked = await page.getAttribute("#undo", "title");
+// Otherwise the undo below could end its wait with this change, and the run be recorded without the undo.
+await wait_for("applied", before_click);
 await compare("flesh");
 await page.screenshot({ path: join(folder, "bones.png") });
 await applied(() => page.click("#undo"));
