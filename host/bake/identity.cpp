@@ -133,7 +133,7 @@ std::string hash_of_motion(const rig::Character& character) {
       hash.add(channel.node);
       hash.add(channel.interpolation);
       hash.add_array(std::span<const double>(channel.times));
-      hash.add_array(std::span<const double>(channel.values));
+      hash.add_array(std::span<const double>(*channel.values));
     }
   }
   return hash.text();

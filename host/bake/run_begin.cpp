@@ -229,8 +229,8 @@ bool Run::begin_sinks(const Checkpoint* resumed) {
   if (is_character && (first == 0 || files_change_ || !fs::exists(path_of(formats::character_name))))
     base::write_whole(path_of(formats::character_name),
                       formats::character_glb(
-                          scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); },
-                          [this](std::uint64_t frame) { return drives_.clip_time(frame); }, missing_images_));
+                          scene_, model_, [this](std::uint64_t frame) { return drives_.clip_time(frame); },
+                          missing_images_));
   shapes_.emplace(is_character ? path_of(formats::character_name) : fs::path(), model_, scene_.fps);
   std::shared_ptr<const formats::SurfaceObjects> surface;
   if (model_.surface_count() > 0)

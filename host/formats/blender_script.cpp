@@ -67,18 +67,23 @@ def add_mesh_cache(surface, name, kind):
 
 
 def load_glb():
-    before = set(bpy.data.objects)
+    before, actions_before = set(bpy.data.objects), set(bpy.data.actions)
     # The importer counts frames in whole frames a second.
     fps, base = bpy.context.scene.render.fps, bpy.context.scene.render.fps_base
     bpy.ops.import_scene.gltf(filepath=path_of('surface.glb'), import_shading='SMOOTH')
-    for key in bpy.data.shape_keys:
-        for curve in (key.animation_data.action.fcurves if key.animation_data and key.animation_data.action else []):
-            stretch(curve, base)
     for action in bpy.data.actions:
-        if action.id_root != 'KEY':
-            for curve in action.fcurves:
+        if action not in actions_before:
+            for curve in curves_of(action):
                 stretch(curve, base)
     return new_objects(before)
+
+
+def curves_of(action):
+    """From Blender 4.4 on an action has layers, and from 5.0 on it has nothing else."""
+    if not getattr(action, 'layers', None):
+        return list(getattr(action, 'fcurves', ()))
+    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags
+            for curve in bag.fcurves]
 
 
 def stretch(curve, base):

@@ -159,28 +159,26 @@ const char* name_of(rig::ChannelPath path) {
                                             : "translation";
 }
 
-// Adds the skeleton's motion, sampled at the bake's frames, as the first animation.
-void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, const rig::Character& character,
-                    const rig::Clip* clip, const std::vector<std::uint32_t>& joint_node,
-                    const PoseOfFrame& pose, const TimeOfFrame& time) {
-  if (clip == nullptr || (clip->channels.empty() && clip->weights.empty())) return;
+// Adds the motion of the scene's skeleton, sampled at the bake's frames, as the first animation. `weights_of`
+// are the clip's weights with the document's node indices.
+void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene,
+                    const std::vector<rig::WeightChannel>& weights_of,
+                    const std::vector<std::uint32_t>& joint_node, const TimeOfFrame& time) {
+  const auto& character = std::get<rig::Character>(scene.geometry);
+  const rig::Clip* clip = rig::find_clip(character, scene.clip);
+  if (clip == nullptr || (clip->channels.empty() && weights_of.empty())) return;
   std::vector<Track> tracks;
   for (const rig::Channel& channel : clip->channels)
     tracks.push_back({.joint = channel.joint, .path = channel.path, .values = {}});
-  std::vector<std::vector<float>> weights(clip->weights.size());
+  std::vector<std::vector<float>> weights(weights_of.size());
   std::vector<float> times;
   const std::uint64_t frames = scene::frame_count(scene);
   for (std::uint64_t k = 0; k <= frames; ++k) {
     times.push_back(static_cast<float>(static_cast<double>(k) / scene.fps));
-    const std::vector<Eigen::Matrix4d> joints = pose(k);
-    for (Track& track : tracks) {
-      const rig::Joint& joint = character.skeleton[track.joint];
-      const Eigen::Matrix4d& above =
-          joint.parent < 0 ? character.root : joints[static_cast<std::size_t>(joint.parent)];
-      track.append(rig::joint_parts(above, joints[track.joint], joint.rest_scale));
-    }
+    const std::vector<rig::JointParts> parts = rig::joint_parts_at(character, clip, time(k));
+    for (Track& track : tracks) track.append(parts[track.joint]);
     for (std::size_t w = 0; w < weights.size(); ++w)
-      for (const double value : rig::weights_at(clip->weights[w], time(k)))
+      for (const double value : rig::weights_at(weights_of[w], time(k)))
         weights[w].push_back(static_cast<float>(value));
   }
   const std::size_t input = add_accessor(document, std::span<const float>(times), 1, true);
@@ -194,12 +192,14 @@ void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, con
                         {"target", {{"node", joint_node.at(track.joint)}, {"path", name_of(track.path)}}}});
   }
   for (std::size_t w = 0; w < weights.size(); ++w) {
+    if (!document.json["nodes"].at(weights_of[w].node).contains("mesh")) continue;
     samplers.push_back({{"input", input},
                         {"output", add_accessor(document, std::span<const float>(weights[w]), 1)},
                         {"interpolation", "LINEAR"}});
-    channels.push_back({{"sampler", samplers.size() - 1},
-                        {"target", {{"node", clip->weights[w].node}, {"path", "weights"}}}});
+    channels.push_back(
+        {{"sampler", samplers.size() - 1}, {"target", {{"node", weights_of[w].node}, {"path", "weights"}}}});
   }
+  if (channels.empty()) return;
   json& animations = document.json["animations"];
   if (!animations.is_array()) animations = json::array();
   animations.insert(animations.begin(),
@@ -228,9 +228,9 @@ void hide_what_is_left_out(const gltf::Rig& rig, json& document) {
 }
 
 // Adds each of the scene's characters below its own node. Returns the node of each joint of the scene's
-// skeleton, and changes the clip's weights to the document's node indices.
+// skeleton, and changes the weights' nodes to those of the document.
 std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const scene::Scene& scene,
-                                          const model::Model& model, rig::Clip& clip,
+                                          const model::Model& model, std::vector<rig::WeightChannel>& weights,
                                           std::vector<std::string>& missing) {
   std::vector<std::uint32_t> joint_node;
   std::size_t first_vertex = 0, weight = 0;
@@ -265,8 +265,8 @@ std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const sc
     for (const std::uint32_t own : own_node) joint_node.push_back(node + 1 + own);
     const std::uint32_t next_node =
         k + 1 < scene.characters.size() ? scene.characters[k + 1].first_node : ~0u;
-    for (; weight < clip.weights.size() && clip.weights[weight].node < next_node; ++weight)
-      clip.weights[weight].node += node + 1 - one.first_node;
+    for (; weight < weights.size() && weights[weight].node < next_node; ++weight)
+      weights[weight].node += node + 1 - one.first_node;
     first_vertex += one.own.surface.vertices.size();
   }
   return joint_node;
@@ -279,6 +279,14 @@ void add_scale(json& document, double scale) {
                    {"scale", {scale, scale, scale}},
                    {"children", shown.value("nodes", json::array())}});
   shown["nodes"] = json::array({nodes.size() - 1});
+}
+
+const rig::Clip* baked_clip(const gltf::Rig& rig, bool has_clip) {
+  return has_clip ? rig::find_clip(rig.character, "") : nullptr;
+}
+
+double stored_time(std::uint64_t frame, double fps) {
+  return double{static_cast<float>(static_cast<double>(frame) / fps)};
 }
 
 }  // namespace
@@ -301,30 +309,29 @@ bool has_baked_clip(const json& document) {
   return extras.is_object() && extras.contains(baked_mark);
 }
 
-std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
-                          const TimeOfFrame& time, std::vector<std::string>& missing) {
+std::string character_glb(const scene::Scene& scene, const model::Model& model, const TimeOfFrame& time,
+                          std::vector<std::string>& missing) {
   const auto& character = std::get<rig::Character>(scene.geometry);
   const std::filesystem::path file = scene::character_file(scene);
+  const rig::Clip* clip = rig::find_clip(character, scene.clip);
+  std::vector<rig::WeightChannel> weights;
+  if (clip != nullptr) weights = clip->weights;
+  std::vector<std::uint32_t> joint_node;
   gltf::GltfDocument document;
   if (!scene.characters.empty()) {
     document = {.json = {{"asset", asset()}, {"scene", 0}, {"scenes", json::array({json::object()})}},
                 .binary = {}};
-    rig::Clip clip;
-    if (const rig::Clip* played = rig::find_clip(character, scene.clip)) clip = *played;
-    const std::vector<std::uint32_t> joint_node = add_characters(document, scene, model, clip, missing);
-    add_baked_clip(document, scene, character, &clip, joint_node, pose, time);
+    joint_node = add_characters(document, scene, model, weights, missing);
   } else if (file.empty()) {
     document = made_document(character, [&](gltf::GltfDocument& to) { return primitive_of(model, to); });
-    std::vector<std::uint32_t> joint_node;
     for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
-    add_baked_clip(document, scene, character, rig::find_clip(character, scene.clip), joint_node, pose, time);
   } else {
     document = gltf::pack_gltf(file, missing, scene.converter);
-    const gltf::Rig rig = gltf::read_rig(file, scene.converter);
-    add_baked_clip(document, scene, rig.character, rig::find_clip(rig.character, scene.clip), rig.joint_node,
-                   pose, time);
-    if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
+    joint_node = gltf::read_rig(file, scene.converter).joint_node;
   }
+  add_baked_clip(document, scene, weights, joint_node, time);
+  if (scene.characters.empty() && !file.empty() && scene.scale != 1.0 && document.json.contains("scenes"))
+    add_scale(document.json, scene.scale);
   json& extras = document.json["extras"];
   if (!extras.is_object()) extras = json::object();
   extras["fascicle"] = {{"fps", scene.fps},
@@ -338,9 +345,12 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
 std::vector<Eigen::Matrix4d> baked_joints(const gltf::Rig& rig, bool has_clip, std::uint64_t frame,
                                           double fps) {
   if (rig.character.skeleton.empty()) return {};
-  const rig::Clip* clip = has_clip ? rig::find_clip(rig.character, "") : nullptr;
-  const auto time = static_cast<float>(static_cast<double>(frame) / fps);
-  return rig::joint_transforms_at(rig.character, clip, double{time});
+  return rig::joint_transforms_at(rig.character, baked_clip(rig, has_clip), stored_time(frame, fps));
+}
+
+std::vector<rig::JointParts> baked_parts(const gltf::Rig& rig, bool has_clip, std::uint64_t frame,
+                                         double fps) {
+  return rig::joint_parts_at(rig.character, baked_clip(rig, has_clip), stored_time(frame, fps));
 }
 
 gltf::GltfDocument plain_document(const model::Model& model) {

@@ -57,36 +57,44 @@ std::span<const unsigned char> as_bytes(const std::string& text) {
   return {reinterpret_cast<const unsigned char*>(text.data()), text.size()};
 }
 
-// Whether a node's transform may take the dequantisation: nothing else may depend on it.
-bool may_carry_steps(const json& document, std::size_t node) {
-  const json& n = document["nodes"][node];
-  if (!n.value("children", json::array()).empty() || n.contains("camera") || n.contains("extensions"))
-    return false;
+// Nodes on whose transform a joint, a clip, a child or a camera depends: they cannot take the dequantisation.
+std::vector<bool> depended_on(const json& document) {
+  const json& nodes = document["nodes"];
+  std::vector<bool> is_needed;
+  for (const json& n : nodes)
+    is_needed.push_back(!n.value("children", json::array()).empty() || n.contains("camera") ||
+                        n.contains("extensions"));
   for (const json& skin : document.value("skins", json::array()))
-    for (const json& joint : skin["joints"])
-      if (joint == node) return false;
+    for (const json& joint : skin["joints"]) is_needed.at(joint.get<std::size_t>()) = true;
   for (const json& animation : document.value("animations", json::array()))
     for (const json& channel : animation.value("channels", json::array())) {
       const json target = channel.value("target", json::object());
-      if (target.contains("node") && target["node"] == node && target["path"] != "weights") return false;
+      if (target.contains("node") && target["path"] != "weights")
+        is_needed.at(target["node"].get<std::size_t>()) = true;
     }
-  return true;
+  return is_needed;
 }
 
-// Whether the rig has every primitive of every node that uses this skin (-1: none) or one of these meshes. A
-// primitive outside the rig would be shown at grid coordinates.
-bool is_all_in_rig(const json& document, const gltf::Rig& rig, std::int64_t skin,
-                   const std::set<std::size_t>& meshes) {
-  for (std::size_t n = 0; n < document["nodes"].size(); ++n) {
-    const json& node = document["nodes"][n];
-    if (!node.contains("mesh")) continue;
-    const std::size_t mesh = node["mesh"];
-    if (!meshes.contains(mesh) && (skin < 0 || node.value("skin", std::int64_t{-1}) != skin)) continue;
-    const auto parts = std::count_if(rig.parts.begin(), rig.parts.end(),
-                                     [&](const gltf::RigPart& part) { return part.node == n; });
-    if (static_cast<std::size_t>(parts) != document["meshes"][mesh]["primitives"].size()) return false;
+// The meshes and skins of nodes that have a primitive outside the rig, which would be shown at grid
+// coordinates.
+struct Outside {
+  std::set<std::size_t> meshes;
+  std::set<std::int64_t> skins;
+};
+
+Outside outside_rig(const json& document, const gltf::Rig& rig) {
+  const json& nodes = document["nodes"];
+  std::vector<std::size_t> parts(nodes.size(), 0);
+  for (const gltf::RigPart& part : rig.parts) ++parts.at(part.node);
+  Outside outside;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    if (!nodes[n].contains("mesh")) continue;
+    const std::size_t mesh = nodes[n]["mesh"];
+    if (parts[n] == document["meshes"][mesh]["primitives"].size()) continue;
+    outside.meshes.insert(mesh);
+    outside.skins.insert(nodes[n].value("skin", std::int64_t{-1}));
   }
-  return true;
+  return outside;
 }
 
 Matrix4d from_steps(double step, const Vector3d& origin) {
@@ -148,6 +156,8 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
     std::set<std::size_t> meshes;
     bool has_steps = true;
   };
+  const std::vector<bool> is_needed = depended_on(document);
+  const Outside outside = outside_rig(document, rig_);
   std::map<std::int64_t, Group> groups;
   for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
     const gltf::RigPart& part = rig_.parts[p];
@@ -157,15 +167,19 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
     groups_.push_back(has_skin ? node["skin"].get<std::int64_t>() : -1 - std::int64_t{part.node});
     Group& group = groups[groups_.back()];
     group.meshes.insert(part.mesh);
-    group.has_steps = has_skin || may_carry_steps(document, part.node);
+    group.has_steps = has_skin || !is_needed[part.node];
     group.stretch = std::max(group.stretch, stretch[p]);
     for (const Vector3d& place : part.positions) {
       group.least = group.least.cwiseMin(place);
       group.greatest = group.greatest.cwiseMax(place);
     }
   }
-  for (auto& [number, group] : groups)
-    group.has_steps = group.has_steps && is_all_in_rig(document, rig_, number, group.meshes);
+  for (auto& [number, group] : groups) {
+    const bool is_whole = std::none_of(group.meshes.begin(), group.meshes.end(),
+                                       [&](std::size_t mesh) { return outside.meshes.contains(mesh); }) &&
+                          (number < 0 || !outside.skins.contains(number));
+    group.has_steps = group.has_steps && is_whole;
+  }
   double least_bound = 0.0;
   for (const std::int64_t number : groups_) {
     const Group& group = groups[number];

@@ -13,12 +13,19 @@ namespace fascicle::formats {
 
 using nlohmann::json;
 
-void drop_weight_channels(json& animations, std::size_t kept) {
+void drop_weight_channels(json& document, const std::vector<std::size_t>& meshes, std::size_t kept) {
+  const std::set<std::size_t> of(meshes.begin(), meshes.end());
+  const auto is_baked = [&](const json& target) {
+    if (target.value("path", std::string()) != "weights") return false;
+    if (!target.contains("node")) return true;
+    const json& node = document["nodes"].at(target["node"].get<std::size_t>());
+    return !node.contains("mesh") || of.contains(node["mesh"].get<std::size_t>());
+  };
+  json& animations = document["animations"];
   for (json& animation : animations) {
     json others = json::array();
     for (const json& channel : animation.value("channels", json::array()))
-      if (channel.value("target", json::object()).value("path", std::string()) != "weights")
-        others.push_back(channel);
+      if (!is_baked(channel.value("target", json::object()))) others.push_back(channel);
     animation["channels"] = std::move(others);
   }
   auto& list = animations.get_ref<json::array_t&>();

@@ -10,9 +10,9 @@
 
 namespace fascicle::formats {
 
-// Removes the channels of the source's own morph targets: the baked clip's targets include their effect on
-// the surface. Animations without channels are dropped, but not the first `kept`.
-void drop_weight_channels(nlohmann::json& animations, std::size_t kept);
+// Removes the weights of the morph targets of `meshes`: the baked clip's targets include their effect on the
+// surface. Animations without channels are dropped, but not the first `kept`.
+void drop_weight_channels(nlohmann::json& document, const std::vector<std::size_t>& meshes, std::size_t kept);
 
 // The mesh of each part of the rig. If several nodes share a mesh, all but the first get a copy.
 std::vector<std::size_t> own_meshes(nlohmann::json& document, const gltf::Rig& rig);

@@ -322,7 +322,7 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
   const bool has_clip = has_baked_clip(document);
   json& animations = document["animations"];
   if (!animations.is_array()) animations = json::array();
-  drop_weight_channels(animations, has_clip ? 1 : 0);
+  drop_weight_channels(document, meshes, has_clip ? 1 : 0);
   if (!has_clip)
     animations.insert(animations.begin(),
                       json({{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}}));

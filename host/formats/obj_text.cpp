@@ -25,10 +25,14 @@ std::string mtl_text(const SurfaceObjects& surface, const std::string& to_folder
   std::string text = "# fascicle: colours are linear\n";
   for (const SurfaceMaterial& material : surface.materials) {
     text += "\nnewmtl " + obj_name(material.name) + "\nKd " + triple(material.color) + "\nKe " +
-            triple(material.emission) + "\nd " + base::number_text(material.alpha) + "\nPr " +
+            triple(material.emission) + "\nd " + base::number_text(opacity_of(material)) + "\nPr " +
             base::number_text(material.roughness) + "\nPm " + base::number_text(material.metallic) +
             "\nillum 2\n";
-    if (!material.texture.empty()) text += "map_Kd " + to_folder + material.texture + '\n';
+    if (material.specular) text += "Ks " + triple(*material.specular) + '\n';
+    if (material.texture.empty()) continue;
+    text += "map_Kd " + to_folder + material.texture + '\n';
+    if (!is_opaque(material) && material.texture.ends_with(".png"))
+      text += "map_d " + to_folder + material.texture + '\n';
   }
   return text;
 }

@@ -15,6 +15,8 @@
 #include "host/formats/unique_names.h"
 #include "host/gltf/gltf.h"
 #include "host/gltf/gltf_file.h"
+#include "host/gltf/gltf_images.h"
+#include "host/gltf/gltf_material.h"
 #include "host/gltf/gltf_rig.h"
 
 namespace fascicle::formats {
@@ -44,25 +46,6 @@ const json* entry(const json& document, const char* list, const json& number) {
   return k < entries->size() && (*entries)[k].is_object() ? &(*entries)[k] : nullptr;
 }
 
-double number_at(const json& of, const char* name, double otherwise) {
-  const auto found = of.find(name);
-  return found != of.end() && found->is_number() ? found->get<double>() : otherwise;
-}
-
-std::array<double, 4> numbers_at(const json& of, const char* name, std::array<double, 4> otherwise) {
-  const auto found = of.find(name);
-  if (found == of.end() || !found->is_array()) return otherwise;
-  for (std::size_t k = 0; k < 4 && k < found->size(); ++k)
-    if ((*found)[k].is_number()) otherwise[k] = (*found)[k].get<double>();
-  return otherwise;
-}
-
-const json& object_at(const json& of, const char* name) {
-  static const json none = json::object();
-  const auto found = of.find(name);
-  return found != of.end() && found->is_object() ? *found : none;
-}
-
 // One file's looks; reads each material and image once, on first use.
 class Looks {
  public:
@@ -73,51 +56,59 @@ class Looks {
     const auto known = std::find(materials_.begin(), materials_.end(), in_file);
     if (known != materials_.end()) return static_cast<std::uint32_t>(known - materials_.begin());
     materials_.push_back(in_file);
-    const json& source = *entry(file_.document, "materials", in_file);
-    const json& metal = object_at(source, "pbrMetallicRoughness");
+    const gltf::Material read =
+        gltf::read_material(file_.document, *entry(file_.document, "materials", in_file));
     SurfaceMaterial material;
-    const auto name = source.find("name");
-    std::string wanted = name != source.end() && name->is_string() ? one_line(name->get<std::string>()) : "";
+    std::string wanted = one_line(read.name);
     if (wanted.empty()) wanted = "material " + base::number_text(std::uint64_t{in_file});
     material.name = names_.take(wanted);
     material.identifier = identifiers_.take(identifier_of(wanted));
-    const std::array<double, 4> color = numbers_at(metal, "baseColorFactor", {1, 1, 1, 1});
-    material.color = {color[0], color[1], color[2]};
-    material.alpha = color[3];
-    material.metallic = number_at(metal, "metallicFactor", 1.0);
-    material.roughness = number_at(metal, "roughnessFactor", 1.0);
-    const std::array<double, 4> emission = numbers_at(source, "emissiveFactor", {0, 0, 0, 0});
-    material.emission = {emission[0], emission[1], emission[2]};
-    material.double_sided = source.value("doubleSided", json()) == true;
-    material.texture = texture(object_at(metal, "baseColorTexture"));
+    const auto triple = [](const Vector3d& c) { return std::array<double, 3>{c[0], c[1], c[2]}; };
+    material.color = triple(read.base_colour.head<3>());
+    material.alpha = read.base_colour[3];
+    material.alpha_mode = read.alpha_mode;
+    material.alpha_cutoff = read.alpha_cutoff;
+    material.metallic = read.metallic;
+    material.roughness = read.roughness;
+    if (read.specular) material.specular = triple(*read.specular);
+    material.emission = triple(read.emission);
+    material.double_sided = read.double_sided;
+    if (read.texture) {
+      const gltf::TextureSource source = gltf::texture_source(file_.document, read.texture->texture);
+      if (source.image) material.texture = texture(*source.image);
+      material.wrap_across = source.across;
+      material.wrap_up = source.down;
+    }
     to_.materials.push_back(std::move(material));
     return static_cast<std::uint32_t>(to_.materials.size() - 1);
   }
 
  private:
-  // The file of a texture's image; empty if the image is not in a buffer view.
-  std::string texture(const json& reference) {
-    const json* shown = entry(file_.document, "textures", reference.value("index", json()));
-    if (shown == nullptr) return {};
-    const json number = shown->value("source", json());
-    const json* image = entry(file_.document, "images", number);
-    if (image == nullptr) return {};
-    const json* view = entry(file_.document, "bufferViews", image->value("bufferView", json()));
+  // The file of an image; empty if the image is neither PNG nor JPEG, or not in a buffer view.
+  std::string texture(std::size_t number) {
+    const json& image = file_.document["images"][number];
+    const json* view = entry(file_.document, "bufferViews", gltf::json_member(image, "bufferView"));
     if (view == nullptr) return {};
-    const auto offset = static_cast<std::uint64_t>(number_at(*view, "byteOffset", 0.0));
-    const auto bytes = static_cast<std::uint64_t>(number_at(*view, "byteLength", 0.0));
+    const auto number_of = [&](const char* name) {
+      const json& value = gltf::json_member(*view, name);
+      return value.is_number_unsigned() ? value.get<std::uint64_t>() : 0;
+    };
+    const std::uint64_t offset = number_of("byteOffset"), bytes = number_of("byteLength");
     if (offset > file_.binary.size() || bytes > file_.binary.size() - offset) return {};
-    const std::string type = image->value("mimeType", json("")) == "image/png" ? ".png" : ".jpg";
+    const auto* begin = file_.binary.data() + offset;
+    std::string media_type = gltf::media_type_of({begin, begin + std::min<std::uint64_t>(bytes, 16)});
+    if (media_type.empty()) media_type = gltf::json_text(gltf::json_member(image, "mimeType"), "");
+    if (media_type == "image/webp" || media_type == "image/ktx2") return {};
+    const std::string type = media_type == "image/png" ? ".png" : ".jpg";
     std::string& path = path_of_[{offset, bytes, type}];
     if (!path.empty()) return path;
     // Views that overlap would make a small file's textures huge.
     if (bytes > bytes_left_) return {};
     bytes_left_ -= bytes;
-    std::string digits = base::number_text(number.get<std::uint64_t>());
+    std::string digits = base::number_text(std::uint64_t{number});
     if (digits.size() < 3) digits.insert(0, 3 - digits.size(), '0');
     path = std::string(textures_folder) + '/' + texture_prefix + digits + type;
-    const auto* first = reinterpret_cast<const char*>(file_.binary.data()) + offset;
-    to_.textures.push_back({path, std::string(first, bytes)});
+    to_.textures.push_back({path, std::string(begin, begin + bytes)});
     return path;
   }
 
@@ -248,6 +239,15 @@ class Reader {
 };
 
 }  // namespace
+
+bool is_opaque(const SurfaceMaterial& material) {
+  return material.alpha_mode == gltf::AlphaMode::opaque ||
+         (material.alpha_mode == gltf::AlphaMode::mask && material.alpha_cutoff == 0.0);
+}
+
+double opacity_of(const SurfaceMaterial& material) {
+  return is_opaque(material) ? 1.0 : material.alpha;
+}
 
 bool is_texture_name(const std::string& name) {
   if (!name.starts_with(texture_prefix) || !(name.ends_with(".png") || name.ends_with(".jpg"))) return false;

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/formats/sink.h"
+#include "host/gltf/gltf_material.h"
 #include "host/model/model.h"
 
 namespace fascicle::formats {
@@ -20,10 +22,19 @@ struct SurfaceMaterial {
   std::string identifier;                      // the name in letters, digits and _, unique
   std::array<double, 3> color{1.0, 1.0, 1.0};  // base colour, linear
   double alpha = 1.0, metallic = 1.0, roughness = 1.0;
+  gltf::AlphaMode alpha_mode = gltf::AlphaMode::opaque;
+  double alpha_cutoff = 0.5;                      // of AlphaMode::mask
+  std::optional<std::array<double, 3>> specular;  // colour at normal incidence, where the file gives it
   std::array<double, 3> emission{};
   bool double_sided = false;
   std::string texture = {};  // base colour texture: its file, "textures/image_000.png"; empty: none
+  gltf::TextureWrap wrap_across = gltf::TextureWrap::repeat, wrap_up = gltf::TextureWrap::repeat;
 };
+
+// Whether alpha has no effect.
+bool is_opaque(const SurfaceMaterial& material);
+// The opacity of a material without its texture.
+double opacity_of(const SurfaceMaterial& material);
 
 // An object's triangles that have the same material.
 struct FaceSet {

@@ -140,21 +140,15 @@ std::string UsdSkel::skeleton(std::size_t number, int level) const {
 }
 
 void UsdSkel::write_motion(base::PartFile& file, const UsdTimes& times, int level) const {
-  const std::vector<rig::Joint>& skeleton = rig_.character.skeleton;
   file.write(usd_line(level, "def SkelAnimation \"Motion\"") + usd_line(level, "{") +
              usd_line(level + 1, joint_list()));
   const auto samples = [&](const char* attribute, const std::vector<float>& at_top, const auto& value) {
     file.write(usd_line(level + 1, std::string(attribute) + ".timeSamples = {"));
     for (std::uint64_t k = 0; k <= times.frames; ++k) {
-      const std::vector<Matrix4d> joints = baked_joints(rig_, has_clip_, k, times.fps);
       std::vector<float> values;
       if (has_top_) values.assign(at_top.begin(), at_top.end());
-      for (std::size_t j = 0; j < skeleton.size(); ++j) {
-        const std::int32_t parent = skeleton[j].parent;
-        const Matrix4d& above = parent < 0 ? rig_.character.root : joints[static_cast<std::size_t>(parent)];
-        for (const double v : value(rig::joint_parts(above, joints[j], skeleton[j].rest_scale)))
-          values.push_back(static_cast<float>(v));
-      }
+      for (const rig::JointParts& parts : baked_parts(rig_, has_clip_, k, times.fps))
+        for (const double v : value(parts)) values.push_back(static_cast<float>(v));
       file.write(usd_line(level + 2, base::number_text(times.first_number + k) + ": " +
                                          usd_tuples(values, at_top.size()) + ','));
     }

@@ -22,15 +22,20 @@ std::string texture_shaders(const SurfaceMaterial& material, const std::string& 
   const std::array<double, 3>& c = material.color;
   const std::string scale = '(' + base::number_text(c[0]) + ", " + base::number_text(c[1]) + ", " +
                             base::number_text(c[2]) + ", " + base::number_text(material.alpha) + ')';
+  const auto wrap = [](gltf::TextureWrap way) {
+    return way == gltf::TextureWrap::clamp ? "clamp" : way == gltf::TextureWrap::mirror ? "mirror" : "repeat";
+  };
+  const std::string alpha = is_opaque(material) ? "" : usd_line(level + 1, "float outputs:a");
   return usd_line(level, "def Shader \"Texture\"") + usd_line(level, "{") +
          usd_line(level + 1, "uniform token info:id = \"UsdUVTexture\"") +
          usd_line(level + 1, "asset inputs:file = @./" + material.texture + '@') +
          usd_line(level + 1, "float4 inputs:scale = " + scale) +
          usd_line(level + 1, "token inputs:sourceColorSpace = \"sRGB\"") +
          usd_line(level + 1, "float2 inputs:st.connect = <" + of + "/Coordinates.outputs:result>") +
-         usd_line(level + 1, "token inputs:wrapS = \"repeat\"") +
-         usd_line(level + 1, "token inputs:wrapT = \"repeat\"") + usd_line(level + 1, "float3 outputs:rgb") +
-         usd_line(level, "}") + usd_line(level, "def Shader \"Coordinates\"") + usd_line(level, "{") +
+         usd_line(level + 1, std::string("token inputs:wrapS = \"") + wrap(material.wrap_across) + '"') +
+         usd_line(level + 1, std::string("token inputs:wrapT = \"") + wrap(material.wrap_up) + '"') + alpha +
+         usd_line(level + 1, "float3 outputs:rgb") + usd_line(level, "}") +
+         usd_line(level, "def Shader \"Coordinates\"") + usd_line(level, "{") +
          usd_line(level + 1, "uniform token info:id = \"UsdPrimvarReader_float2\"") +
          usd_line(level + 1, "string inputs:varname = \"st\"") +
          usd_line(level + 1, "float2 outputs:result") + usd_line(level, "}");
@@ -50,10 +55,20 @@ std::string material_prim(const SurfaceMaterial& material, const std::string& pa
           ? usd_line(level + 2, "color3f inputs:diffuseColor = " + color(material.color))
           : usd_line(level + 2, "color3f inputs:diffuseColor.connect = <" + own + "/Texture.outputs:rgb>");
   text += usd_line(level + 2, "color3f inputs:emissiveColor = " + color(material.emission)) +
-          usd_line(level + 2, "float inputs:metallic = " + base::number_text(material.metallic)) +
-          usd_line(level + 2, "float inputs:opacity = " + base::number_text(material.alpha)) +
-          usd_line(level + 2, "float inputs:roughness = " + base::number_text(material.roughness)) +
-          usd_line(level + 2, "token outputs:surface") + usd_line(level + 1, "}");
+          usd_line(level + 2, "float inputs:metallic = " + base::number_text(material.metallic));
+  const bool is_masked = material.alpha_mode == gltf::AlphaMode::mask;
+  const bool is_textured = !material.texture.empty() && !is_opaque(material);
+  text += is_textured
+              ? usd_line(level + 2, "float inputs:opacity.connect = <" + own + "/Texture.outputs:a>")
+              : usd_line(level + 2, "float inputs:opacity = " + base::number_text(opacity_of(material)));
+  if (is_masked)
+    text +=
+        usd_line(level + 2, "float inputs:opacityThreshold = " + base::number_text(material.alpha_cutoff));
+  text += usd_line(level + 2, "float inputs:roughness = " + base::number_text(material.roughness));
+  if (material.specular)
+    text += usd_line(level + 2, "color3f inputs:specularColor = " + color(*material.specular)) +
+            usd_line(level + 2, "int inputs:useSpecularWorkflow = 1");
+  text += usd_line(level + 2, "token outputs:surface") + usd_line(level + 1, "}");
   if (!material.texture.empty()) text += texture_shaders(material, own, level + 1);
   return text + usd_line(level, "}");
 }

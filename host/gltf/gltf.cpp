@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <Eigen/LU>
@@ -280,6 +281,13 @@ class Reader {
 
   // Painted attributes that look like one that acts by itself, and do not act. A scene file may name any.
   void note_unused_paint() {
+    if (!unread_paint_.empty())
+      character_.notes.push_back("the attribute `" + *unread_paint_.begin() + "`" +
+                                 (unread_paint_.size() == 1
+                                      ? " is"
+                                      : " and " + std::to_string(unread_paint_.size() - 1) + " more are") +
+                                 " not read: a character has at most " + std::to_string(most_painted) +
+                                 " besides those that act by themselves");
     std::vector<std::string> names;
     for (const rig::PaintKind& kind : rig::paint_kinds()) names.emplace_back(kind.name);
     for (const rig::PaintedAttribute& attribute : character_.painted) {
@@ -298,20 +306,26 @@ class Reader {
     }
   }
 
-  // Finds or adds the attribute of this name; vertices of earlier primitives without it get 0.
-  rig::PaintedAttribute& painted_attribute(const std::string& name, std::uint32_t width,
+  // Finds or adds the attribute of this name; null, and a note at the end, for one too many. The kinds that
+  // act by themselves are never too many, and have the same width everywhere.
+  rig::PaintedAttribute* painted_attribute(const std::string& name, std::uint32_t width,
                                            const std::string& pointer) {
+    const bool acts = rig::find_paint_kind(name) != nullptr;
+    std::size_t others = 0;
     for (rig::PaintedAttribute& attribute : character_.painted) {
+      if (rig::find_paint_kind(attribute.name) == nullptr) ++others;
       if (attribute.name != name) continue;
-      if (attribute.width != width)
+      if (acts && attribute.width != width)
         fail(pointer, "has " + std::to_string(width) + " numbers a vertex, and " +
                           std::to_string(attribute.width) + " on another primitive");
-      return attribute;
+      return &attribute;
     }
-    if (character_.painted.size() == most_painted)
-      fail(pointer, "more than " + std::to_string(most_painted) + " painted attributes; leave some out");
+    if (others >= most_painted && !acts) {
+      unread_paint_.insert(name);
+      return nullptr;
+    }
     character_.painted.push_back({name, width, {}});
-    return character_.painted.back();
+    return &character_.painted.back();
   }
 
   // Call after adding the primitive's vertices to the surface.
@@ -323,16 +337,14 @@ class Reader {
       const std::uint32_t width = painted_width(name, type);
       if (width == 0) continue;
       const std::string here = pointer + "/attributes/" + name;
-      const std::vector<double> values = numbers(here, accessor, type, true, count);
-      rig::PaintedAttribute& attribute = painted_attribute(name, width, here);
-      attribute.values.resize(width * (all - count), 0.0);
-      attribute.values.insert(attribute.values.end(), values.begin(), values.end());
-      if (name != "_FIBER" || width != 3) continue;
-      for (std::size_t i = 0; i < count; ++i) {
+      rig::PaintedAttribute* attribute = painted_attribute(name, width, here);
+      if (attribute == nullptr) continue;
+      rig::PaintedAttribute own{name, width, numbers(here, accessor, type, true, count)};
+      for (std::size_t i = 0; name == "_FIBER" && width == 3 && i < count; ++i) {
         Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
         for (const Influence& x : influences[i])
           turn += x.weight * skin.raw_to_bind[x.joint].topLeftCorner<3, 3>();
-        double* value = attribute.values.data() + 3 * (all - count + i);
+        double* value = own.values.data() + 3 * i;
         const Vector3d raw(value[0], value[1], value[2]);
         // The direction rotates with the skin. Its length, the painter's confidence, is kept.
         const Vector3d turned = turn * raw;
@@ -340,6 +352,11 @@ class Reader {
         for (int axis = 0; axis < 3; ++axis)
           value[axis] = length > 0.0 ? turned[axis] * (raw.norm() / length) : 0.0;
       }
+      widen(*attribute, width);
+      // Vertices of earlier primitives without it have 0.
+      attribute->values.resize(attribute->width * (all - count), 0.0);
+      widen(own, attribute->width);
+      attribute->values.insert(attribute->values.end(), own.values.begin(), own.values.end());
     }
     for (rig::PaintedAttribute& attribute : character_.painted)
       attribute.values.resize(attribute.width * all, 0.0);
@@ -409,6 +426,7 @@ class Reader {
   std::vector<std::int32_t> joint_of_;  // per node
   std::vector<Eigen::Matrix4d> bind_;   // per joint: joint space to bind pose, metres
   ShapeLimits shape_limits_;
+  std::set<std::string> unread_paint_;  // names
   std::size_t normalised_ = 0, cut_ = 0,
               weightless_ = 0;  // vertices whose weights were changed
   std::vector<bool> is_bound_;  // per joint: whether a skin has set its bind pose

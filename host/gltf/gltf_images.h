@@ -1,4 +1,4 @@
-// Images in files beside a glTF file.
+// Where a glTF file's images are when they are not in its buffers: in files beside it, or in data: URIs.
 #pragma once
 
 #include <cstdint>
@@ -29,5 +29,11 @@ class ImagesBeside {
   std::uint64_t most_bytes_, bytes_left_;
   std::map<std::filesystem::path, ImageBytes> bytes_of_;
 };
+
+// The decoded contents of a data: URI; empty if it is not base64.
+std::vector<unsigned char> data_uri_bytes(const std::string& uri);
+
+// "image/png", "image/jpeg", "image/webp" or "image/ktx2", by the first bytes; empty for any other.
+std::string media_type_of(const std::vector<unsigned char>& bytes);
 
 }  // namespace fascicle::gltf

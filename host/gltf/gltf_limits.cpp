@@ -21,6 +21,11 @@ constexpr std::size_t influence_sets_a_vertex = 2;  // eight joints
 // A rig has the matrices of a part's skin once for each part, and so its morph targets.
 constexpr std::size_t bind_matrices_a_vertex = 1, targets_a_vertex = 1;
 
+// Channels may share their keys, as exporters do for those that stand still; a number of its own takes a byte
+// or more.
+constexpr std::size_t most_key_numbers = std::size_t{1} << 26, keys_of_any_file = std::size_t{1} << 20;
+constexpr std::size_t keys_a_byte = 16;  // as many as an accessor without bytes may have
+
 }  // namespace
 
 std::size_t stored_bytes(const tinygltf::Model& model) {
@@ -79,6 +84,21 @@ void PartLimits::add(const GltfPart& part) {
   const std::size_t given = skin.inverseBindMatrices < 0 ? 0 : length_of(skin.inverseBindMatrices);
   count(bind_matrices_, std::max(given, skin.joints.size()), bind_matrices_a_vertex * most_vertices_,
         "inverse bind matrices", pointer);
+}
+
+KeyLimits::KeyLimits(const std::filesystem::path& path, const tinygltf::Model& model)
+    : path_(path),
+      model_(model),
+      most_(std::min(most_key_numbers, keys_of_any_file + keys_a_byte * measured_bytes(model))) {}
+
+void KeyLimits::add(std::size_t animation, int accessor) {
+  const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
+  numbers_ += a.count *
+              static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+  if (numbers_ > most_)
+    gltf_error(path_, "/animations/" + std::to_string(animation),
+               "more than " + std::to_string(most_) +
+                   " numbers of clips in all, the most that are read of a file of this size; export fewer");
 }
 
 }  // namespace fascicle::gltf

@@ -35,4 +35,20 @@ class PartLimits {
   std::size_t parts_ = 0, vertices_ = 0, corners_ = 0, targets_ = 0, influence_sets_ = 0, bind_matrices_ = 0;
 };
 
+// Adds up the numbers of a file's clips, before any is decoded: nearly every channel holds its own copy of
+// its keys.
+class KeyLimits {
+ public:
+  // Keeps references to both.
+  KeyLimits(const std::filesystem::path& path, const tinygltf::Model& model);
+  // One more copy of this accessor's numbers, for this animation. Throws SceneError if there are too many for
+  // a file of this size.
+  void add(std::size_t animation, int accessor);
+
+ private:
+  const std::filesystem::path& path_;
+  const tinygltf::Model& model_;
+  std::size_t numbers_ = 0, most_ = 0;
+};
+
 }  // namespace fascicle::gltf

@@ -1,8 +1,6 @@
 #include "host/gltf/gltf_looks.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -13,6 +11,7 @@
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_library.h"
 #include "host/gltf/gltf_limits.h"
+#include "host/gltf/gltf_material.h"
 
 namespace fascicle::gltf {
 namespace {
@@ -20,88 +19,24 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The member, or null. Looks come from the file's own JSON, whose structure was not checked.
-const json& member(const json& value, const char* name) {
-  static const json nothing;
-  if (!value.is_object()) return nothing;
-  const auto found = value.find(name);
-  return found == value.end() ? nothing : *found;
-}
-
-std::optional<std::size_t> index_in(const json& number, const json& list) {
-  if (!number.is_number_unsigned() || !list.is_array()) return std::nullopt;
-  const auto index = number.get<std::size_t>();
-  return index < list.size() ? std::optional(index) : std::nullopt;
-}
-
-double number_or(const json& value, double otherwise) {
-  if (!value.is_number()) return otherwise;
-  const double number = value.get<double>();
-  return std::isfinite(number) ? number : otherwise;
-}
-
-std::string text_or(const json& value, const std::string& otherwise) {
-  return value.is_string() ? value.get<std::string>() : otherwise;
-}
-
-TextureWrap wrap_of(const json& value) {
-  if (value == 33071) return TextureWrap::clamp;
-  if (value == 33648) return TextureWrap::mirror;
-  return TextureWrap::repeat;
-}
-
-int base64_value(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;
-  if (c == '/' || c == '_') return 63;
-  return -1;
-}
-
-// The decoded contents of a data: URI; empty if it is not base64.
-std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
-  const std::size_t mark = uri.find(";base64,");
-  if (mark == std::string::npos) return {};
-  std::vector<unsigned char> bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (std::size_t k = mark + 8; k < uri.size() && uri[k] != '='; ++k) {
-    const int value = base64_value(uri[k]);
-    if (value < 0) return {};
-    bits = bits << 6 | static_cast<std::uint32_t>(value);
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes.push_back(static_cast<unsigned char>(bits >> count & 0xffu));
-  }
-  return bytes;
-}
-
 class LooksReader {
  public:
   LooksReader(const fs::path& path, const json& document, const tinygltf::Model& model)
       : path_(path), document_(document), model_(model), beside_(path), embedded_left_(stored_bytes(model)) {}
 
   Looks run(const Rig& rig) {
-    std::vector<std::uint64_t> uv_sets;
-    for (const json& material : list("materials")) {
-      uv_sets.push_back(0);
-      looks_.materials.push_back(read_material(material, uv_sets.back()));
-    }
+    for (const json& material : list("materials")) looks_.materials.push_back(read_look(material));
     const auto white = static_cast<std::uint32_t>(looks_.materials.size());
     looks_.materials.emplace_back();
-    uv_sets.push_back(0);
     for (const RigPart& part : rig.parts) {
       const json& primitive = primitive_of(part);
       PartLooks looks{.material = white, .uvs = {}, .colours = {}};
-      if (const auto m = index_in(member(primitive, "material"), list("materials"))) {
+      if (const auto m = json_index(json_member(primitive, "material"), list("materials"))) {
         looks.material = static_cast<std::uint32_t>(*m);
         looks_.has_colours = true;
       }
       const std::size_t count = part.positions.size();
-      if (looks_.materials[looks.material].texture >= 0)
-        looks.uvs = uvs_of(part, primitive, uv_sets[looks.material]);
+      if (looks_.materials[looks.material].texture >= 0) looks.uvs = part.uvs;
       looks.colours = colours_of(primitive, count);
       looks_.has_colours = looks_.has_colours || !looks.colours.empty();
       looks_.parts.push_back(std::move(looks));
@@ -110,60 +45,44 @@ class LooksReader {
   }
 
  private:
-  const json& list(const char* name) const { return member(document_, name); }
+  const json& list(const char* name) const { return json_member(document_, name); }
 
   const json& primitive_of(const RigPart& part) const {
     return document_["meshes"][part.mesh]["primitives"][part.primitive];
   }
 
-  LookMaterial read_material(const json& material, std::uint64_t& uv_set) {
+  LookMaterial read_look(const json& source) {
+    const Material material = read_material(document_, source);
     LookMaterial result;
-    result.name = text_or(member(material, "name"), "");
-    const json& metallic = member(material, "pbrMetallicRoughness");
-    const json& specular = member(member(material, "extensions"), "KHR_materials_pbrSpecularGlossiness");
-    const json& colour =
-        specular.is_object() ? member(specular, "diffuseFactor") : member(metallic, "baseColorFactor");
-    if (colour.is_array())
-      for (std::size_t c = 0; c < std::min<std::size_t>(4, colour.size()); ++c)
-        result.base_colour[static_cast<Eigen::Index>(c)] = std::clamp(number_or(colour[c], 1.0), 0.0, 1.0);
-    if (text_or(member(material, "alphaMode"), "OPAQUE") == "MASK")
-      result.alpha_cutoff = number_or(member(material, "alphaCutoff"), 0.5);
-    const json& use =
-        specular.is_object() ? member(specular, "diffuseTexture") : member(metallic, "baseColorTexture");
-    const json& set = member(use, "texCoord");
-    if (set.is_number_unsigned()) uv_set = set.get<std::uint64_t>();
-    if (use.is_object()) result.texture = texture_of(member(use, "index"));
+    result.name = material.name;
+    result.base_colour = material.base_colour;
+    if (material.alpha_mode == AlphaMode::mask) result.alpha_cutoff = material.alpha_cutoff;
+    if (material.texture) result.texture = texture_of(material.texture->texture);
     return result;
   }
 
   // The texture's index in Looks::textures; -1 if it cannot be read.
-  std::int32_t texture_of(const json& number) {
-    const auto index = index_in(number, list("textures"));
-    if (!index) return -1;
-    if (const auto known = number_of_.find(*index); known != number_of_.end()) return known->second;
-    const json& texture = list("textures")[*index];
+  std::int32_t texture_of(std::size_t texture) {
+    if (const auto known = number_of_.find(texture); known != number_of_.end()) return known->second;
     std::int32_t result = -1;
-    if (const auto image = index_in(member(texture, "source"), list("images"))) {
-      TextureWrap across = TextureWrap::repeat, down = TextureWrap::repeat;
-      if (const auto sampler = index_in(member(texture, "sampler"), list("samplers"))) {
-        across = wrap_of(member(list("samplers")[*sampler], "wrapS"));
-        down = wrap_of(member(list("samplers")[*sampler], "wrapT"));
-      }
-      const auto [known, is_new] = number_of_wrapped_.try_emplace({*image, across, down}, -1);
-      if (is_new) known->second = add_texture(*image, across, down);
+    const TextureSource source = texture_source(document_, texture);
+    if (source.image) {
+      const auto [known, is_new] =
+          number_of_wrapped_.try_emplace({*source.image, source.across, source.down}, -1);
+      if (is_new) known->second = add_texture(*source.image, source.across, source.down);
       result = known->second;
     } else {
-      looks_.notes.push_back("texture " + std::to_string(*index) +
+      looks_.notes.push_back("texture " + std::to_string(texture) +
                              " is neither PNG nor JPEG; its surface gets its plain colour");
     }
-    number_of_[*index] = result;
+    number_of_[texture] = result;
     return result;
   }
 
   std::int32_t add_texture(std::size_t image, TextureWrap across, TextureWrap down) {
     LookTexture read{
         .name = "image " + std::to_string(image), .bytes = nullptr, .across = across, .down = down};
-    const std::string name = text_or(member(list("images")[image], "name"), "");
+    const std::string name = json_text(json_member(list("images")[image], "name"), "");
     if (!name.empty()) read.name += " (" + name.substr(0, 60) + ")";
     read.bytes = image_bytes(list("images")[image], image, read.name);
     if (read.bytes == nullptr) return -1;
@@ -177,13 +96,13 @@ class LooksReader {
     std::string why = "is empty";
     ImageBytes bytes;
     try {
-      if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
+      if (const auto view = json_index(json_member(image, "bufferView"), list("bufferViews"))) {
         bytes = bytes_of_view(*view, why);
-      } else if (const json& uri = member(image, "uri"); uri.is_string()) {
+      } else if (const json& uri = json_member(image, "uri"); uri.is_string()) {
         const auto text = uri.get<std::string>();
         if (text.starts_with("data:")) {
           why = "is not base64";
-          bytes = shared_bytes("image " + std::to_string(number), [&] { return bytes_of_data_uri(text); });
+          bytes = shared_bytes("image " + std::to_string(number), [&] { return data_uri_bytes(text); });
         } else {
           bytes = beside_.read("/images", text);
         }
@@ -227,23 +146,11 @@ class LooksReader {
   // The attribute's accessor, if it has one element per vertex.
   const tinygltf::Accessor* accessor_of(const json& primitive, const std::string& attribute,
                                         std::size_t count, int& number) const {
-    const json& value = member(member(primitive, "attributes"), attribute.c_str());
+    const json& value = json_member(json_member(primitive, "attributes"), attribute.c_str());
     if (!value.is_number_unsigned() || value.get<std::size_t>() >= model_.accessors.size()) return nullptr;
     number = value.get<int>();
     const tinygltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(number)];
     return accessor.count == count ? &accessor : nullptr;
-  }
-
-  std::vector<Eigen::Vector2d> uvs_of(const RigPart& part, const json& primitive, std::uint64_t set) const {
-    if (set == 0) return part.uvs;
-    std::vector<Eigen::Vector2d> uvs;
-    int number = -1;
-    const auto* accessor =
-        accessor_of(primitive, "TEXCOORD_" + std::to_string(set), part.positions.size(), number);
-    if (accessor == nullptr || accessor->type != TINYGLTF_TYPE_VEC2) return uvs;
-    const std::vector<double> values = accessor_numbers(path_, model_, number);
-    for (std::size_t i = 0; i + 1 < values.size(); i += 2) uvs.emplace_back(values[i], values[i + 1]);
-    return uvs;
   }
 
   std::vector<Eigen::Vector3d> colours_of(const json& primitive, std::size_t count) const {

@@ -9,11 +9,10 @@
 #include <Eigen/Core>
 
 #include "host/gltf/gltf_images.h"
+#include "host/gltf/gltf_material.h"
 #include "host/gltf/gltf_rig.h"
 
 namespace fascicle::gltf {
-
-enum class TextureWrap { repeat, mirror, clamp };
 
 struct LookTexture {
   std::string name;  // for messages

@@ -55,6 +55,8 @@ std::vector<bool> marked_nodes(const nlohmann::json& document, std::size_t count
   return is_marked;
 }
 
+constexpr std::size_t most_notes = 20;
+
 class Finder {
  public:
   Finder(const std::filesystem::path& path, const tinygltf::Model& model, const nlohmann::json& document)
@@ -79,9 +81,12 @@ class Finder {
       for (std::size_t n = 0; n < model_.nodes.size(); ++n)
         if (shows(n)) moves_[topmost(n)] = true;
       result_.notes.clear();
+      left_out_ = 0;
       take_what_moves();
     }
     sort_unique(result_.carriers);
+    if (left_out_ > most_notes)
+      result_.notes.push_back(std::to_string(left_out_ - most_notes) + " more meshes are left out");
     return std::move(result_);
   }
 
@@ -94,6 +99,7 @@ class Finder {
   }
 
   void take_what_moves() {
+    hang_nodes();
     for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
       if (!shows(n)) continue;
       GltfPart part;
@@ -104,23 +110,48 @@ class Finder {
     }
   }
 
+  // How a node hangs from those above it.
+  struct Hanging {
+    int carrier = -1;  // the node itself, or the nearest above it that moves; -1: none
+    Eigen::Matrix4d to_carrier = Eigen::Matrix4d::Identity(), to_world = Eigen::Matrix4d::Identity();
+  };
+
+  // Finds how each node hangs, from the topmost nodes down.
+  void hang_nodes() {
+    hanging_.assign(model_.nodes.size(), {});
+    std::vector<std::size_t> stack;
+    for (std::size_t n = 0; n < parents_.size(); ++n)
+      if (parents_[n] < 0) stack.push_back(n);
+    while (!stack.empty()) {
+      const std::size_t n = stack.back();
+      stack.pop_back();
+      const Hanging above = parents_[n] < 0 ? Hanging() : hanging_[static_cast<std::size_t>(parents_[n])];
+      const Eigen::Matrix4d own = node_transform(model_, n);
+      hanging_[n].to_world = above.to_world * own;
+      if (moves_[n]) {
+        hanging_[n].carrier = static_cast<int>(n);
+      } else if (above.carrier >= 0) {
+        hanging_[n].carrier = above.carrier;
+        hanging_[n].to_carrier = above.to_carrier * own;
+      }
+      for (const int child : model_.nodes[n].children) stack.push_back(static_cast<std::size_t>(child));
+    }
+  }
+
   // Finds the node that carries an unskinned part; false if the part is left out.
   bool hang(GltfPart& part) {
-    Eigen::Matrix4d above = Eigen::Matrix4d::Identity();
-    for (int n = static_cast<int>(part.node); n >= 0; n = parents_[static_cast<std::size_t>(n)]) {
-      const auto node = static_cast<std::size_t>(n);
-      if (moves_[node] && part.carrier < 0) {
-        part.carrier = n;
-        part.to_carrier = above;
-      }
-      above = (node_transform(model_, node) * above).eval();
-    }
-    if (part.carrier < 0) return leave_out(part.node, "nothing moves it: no skin, no joint and no clip");
-    if (is_flat(above)) return leave_out(part.node, "its scale is zero in the rest pose");
+    const Hanging& hanging = hanging_[part.node];
+    part.carrier = hanging.carrier;
+    part.to_carrier = hanging.to_carrier;
+    if (part.carrier < 0)
+      return leave_out(part.node, "nothing moves it: no skin, joint or clip that moves its node");
+    if (is_flat(hanging.to_world)) return leave_out(part.node, "its scale is zero in the rest pose");
     return true;
   }
 
   bool leave_out(std::size_t node, const std::string& why) {
+    ++left_out_;
+    if (result_.notes.size() == most_notes) return false;
     const std::string& name = model_.nodes[node].name;
     result_.notes.push_back("the mesh of node " + std::to_string(node) +
                             (name.empty() ? std::string() : " `" + name + "`") + " is left out: " + why);
@@ -147,8 +178,10 @@ class Finder {
   const tinygltf::Model& model_;
   PartLimits limits_;
   std::vector<int> parents_;
-  std::vector<bool> is_in_;  // per node: in the default scene
-  std::vector<bool> moves_;  // per node: a joint of a skin, marked, or animated by a clip
+  std::vector<bool> is_in_;       // per node: in the default scene
+  std::vector<bool> moves_;       // per node: a joint of a skin, marked, or animated by a clip
+  std::vector<Hanging> hanging_;  // per node
+  std::size_t left_out_ = 0;      // meshes
   GltfParts result_;
 };
 

@@ -15,6 +15,7 @@
 #include "host/gltf/gltf_document.h"
 #include "host/gltf/gltf_images.h"
 #include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_material.h"
 #include "host/gltf/gltf_parts.h"
 #include "host/gltf/gltf_shapes.h"
 #include "host/gltf/gltf_skeleton.h"
@@ -38,10 +39,6 @@ void append_aligned(std::string& binary, const unsigned char* bytes, std::size_t
   binary.append(reinterpret_cast<const char*>(bytes), count);
 }
 
-bool is_png(const std::vector<unsigned char>& bytes) {
-  return bytes.size() > 4 && bytes[0] == 0x89 && bytes[1] == 'P' && bytes[2] == 'N' && bytes[3] == 'G';
-}
-
 void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::string>& missing) {
   if (!document.json.contains("images")) return;
   std::size_t number = 0;
@@ -53,18 +50,26 @@ void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::
     const std::string pointer = "/images/" + std::to_string(number++) + "/uri";
     if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) continue;
     const std::string uri = image["uri"];
-    if (uri.starts_with("data:")) continue;
     ImageBytes bytes = white;
-    try {
-      bytes = beside.read(pointer, uri);
-    } catch (const base::SceneError&) {
-      missing.push_back(uri);
+    if (uri.starts_with("data:")) {
+      bytes = std::make_shared<const std::vector<unsigned char>>(data_uri_bytes(uri));
+      if (bytes->empty()) continue;
+    } else {
+      try {
+        bytes = beside.read(pointer, uri);
+      } catch (const base::SceneError&) {
+        missing.push_back(uri);
+      }
     }
     const auto [view, is_new] = view_of.try_emplace(bytes);
     if (is_new) view->second = add_view(document, bytes->data(), bytes->size());
     image.erase("uri");
     image["bufferView"] = view->second;
-    image["mimeType"] = is_png(*bytes) ? "image/png" : "image/jpeg";
+    const std::string type = media_type_of(*bytes);
+    const std::string stated = uri.starts_with("data:") ? uri.substr(5, uri.find_first_of(";,") - 5) : "";
+    image["mimeType"] =
+        !type.empty() ? type
+                      : json_text(json_member(image, "mimeType"), stated.empty() ? "image/jpeg" : stated);
   }
 }
 
@@ -95,7 +100,7 @@ class RigReader {
   }
 
   // Reads the document, because the decoder's copy has no looks.
-  int looks_accessor(std::size_t mesh, std::size_t primitive, const char* name, int type,
+  int looks_accessor(std::size_t mesh, std::size_t primitive, const std::string& name, int type,
                      std::size_t count) const {
     const json& attributes = document_["meshes"][mesh]["primitives"][primitive]["attributes"];
     const auto found = attributes.find(name);
@@ -104,6 +109,26 @@ class RigReader {
     if (accessor >= model_.accessors.size()) return -1;
     const tinygltf::Accessor& a = model_.accessors[accessor];
     return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
+  }
+
+  std::vector<Eigen::Vector2d> read_uvs(std::size_t mesh, std::size_t primitive, std::size_t count) {
+    const json& materials = json_member(document_, "materials");
+    const auto material =
+        json_index(json_member(document_["meshes"][mesh]["primitives"][primitive], "material"), materials);
+    TextureUse use;
+    if (material) {
+      const auto [known, is_new] = texture_use_.try_emplace(*material);
+      if (is_new) known->second = read_material(document_, materials[*material]).texture.value_or(use);
+      use = known->second;
+    }
+    std::vector<Eigen::Vector2d> uvs;
+    const int accessor =
+        looks_accessor(mesh, primitive, "TEXCOORD_" + std::to_string(use.uv_set), TINYGLTF_TYPE_VEC2, count);
+    if (accessor < 0) return uvs;
+    const std::vector<double> values = numbers(accessor);
+    for (std::size_t i = 0; i + 1 < values.size(); i += 2)
+      uvs.emplace_back(use.transform * Eigen::Vector3d(values[i], values[i + 1], 1.0));
+    return uvs;
   }
 
   RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) {
@@ -118,11 +143,7 @@ class RigReader {
     const std::size_t count = part.positions.size();
     if (const int accessor = looks_accessor(mesh, p, "NORMAL", TINYGLTF_TYPE_VEC3, count); accessor >= 0)
       part.normals = vectors(numbers(accessor));
-    if (const int accessor = looks_accessor(mesh, p, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, count);
-        accessor >= 0) {
-      const std::vector<double> values = numbers(accessor);
-      for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
-    }
+    part.uvs = read_uvs(mesh, p, count);
     part.shapes = read_shapes(path_, model_, primitive, pointer, count, shape_limits_);
     part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
     if (source.skin < 0) {
@@ -175,6 +196,7 @@ class RigReader {
   const json& document_;
   const tinygltf::Model& model_;
   Rig rig_;
+  std::map<std::size_t, TextureUse> texture_use_;  // by material
   ShapeLimits shape_limits_;
 };
 

@@ -33,8 +33,10 @@ GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::strin
 struct RigPart {
   std::uint32_t node = 0, mesh = 0, primitive = 0;
   std::vector<Eigen::Vector3d> positions;
-  std::vector<Eigen::Vector3d> normals;   // empty, or one per position
-  std::vector<Eigen::Vector2d> uvs;       // TEXCOORD_0, as in the file (v down): empty, or one per position
+  std::vector<Eigen::Vector3d> normals;  // empty, or one per position
+  // Where the material's base colour texture lies, v down: of the set that it names (without a texture
+  // TEXCOORD_0), after its transform. Empty, or one per position.
+  std::vector<Eigen::Vector2d> uvs;
   std::vector<std::uint32_t> skin_joint;  // per slot: index into Character::skeleton
   std::vector<Eigen::Matrix4d> inverse_bind;
   std::vector<std::uint32_t> influence_offset;  // vertices + 1

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include <Eigen/LU>
 
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_limits.h"
 #include "host/rig/pose.h"
 #include "host/rig/pose_interpolation.h"
 #include "host/rig/rig_math.h"
@@ -15,8 +18,6 @@ namespace fascicle::gltf {
 
 using Eigen::Vector3d;
 namespace {
-
-constexpr std::size_t most_key_numbers = std::size_t{1} << 26;
 
 rig::Joint make_joint(const tinygltf::Node& node) {
   rig::Joint joint;
@@ -165,36 +166,37 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
 
   std::vector<bool> is_shown(model.nodes.size(), false);
   for (const GltfPart& part : parts.parts) is_shown[part.node] = true;
-  std::size_t numbers = 0;
+  KeyLimits limits(path, model);
+  std::map<int, std::shared_ptr<const std::vector<double>>> weights_of;  // by accessor
   for (std::size_t a = 0; a < model.animations.size(); ++a) {
     const tinygltf::Animation& animation = model.animations[a];
     rig::Clip clip;
     clip.name = animation.name;
-    const auto count = [&](const auto& channel) {
-      numbers += channel.times.size() + channel.values.size();
-      if (numbers > most_key_numbers) {
-        gltf_error(path, "/animations/" + std::to_string(a),
-                   "the clips have more than " + std::to_string(most_key_numbers) + " numbers; export fewer");
-      }
-      clip.duration = std::max(clip.duration, channel.times.back());
-    };
     for (const tinygltf::AnimationChannel& source : animation.channels) {
       const auto node = static_cast<std::size_t>(source.target_node);
       const auto& sampler = animation.samplers[static_cast<std::size_t>(source.sampler)];
       if (source.target_path == "weights") {
         if (!is_shown[node]) continue;
+        limits.add(a, sampler.input);
+        auto& values = weights_of[sampler.output];
+        if (values == nullptr) {
+          limits.add(a, sampler.output);
+          values = std::make_shared<const std::vector<double>>(accessor_numbers(path, model, sampler.output));
+        }
         rig::WeightChannel channel{.node = static_cast<std::uint32_t>(node),
                                    .interpolation = interpolation_of(sampler),
                                    .times = read_times(path, model, sampler.input),
-                                   .values = accessor_numbers(path, model, sampler.output)};
-        count(channel);
+                                   .values = values};
+        clip.duration = std::max(clip.duration, channel.times.back());
         clip.weights.push_back(std::move(channel));
         continue;
       }
       if (joint_of[node] < 0) continue;
+      limits.add(a, sampler.input);
+      limits.add(a, sampler.output);
       rig::Channel channel = read_channel(path, model, sampler, source.target_path);
       channel.joint = static_cast<std::uint32_t>(joint_of[node]);
-      count(channel);
+      clip.duration = std::max(clip.duration, channel.times.back());
       clip.channels.push_back(std::move(channel));
     }
     character.clips.push_back(std::move(clip));

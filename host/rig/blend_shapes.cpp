@@ -10,10 +10,10 @@ std::vector<double> weights_at(const WeightChannel& channel, double time) {
   const bool is_spline = channel.interpolation == Interpolation::cubic_spline;
   const std::vector<double>& times = channel.times;
   const std::size_t parts = is_spline ? 3 : 1;
-  const std::size_t count = channel.values.size() / (times.size() * parts);
+  const std::size_t count = channel.values->size() / (times.size() * parts);
   // 0, 1, 2: in-tangent, value, out-tangent of a spline.
   const auto part = [&](std::size_t key, std::size_t which, std::size_t shape) {
-    return channel.values[(key * parts + which) * count + shape];
+    return (*channel.values)[(key * parts + which) * count + shape];
   };
   const std::size_t middle = is_spline ? 1 : 0;
   const auto held = [&](std::size_t key) {

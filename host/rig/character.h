@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,10 @@ struct Channel {
 struct WeightChannel {
   std::uint32_t node = 0;  // in the file: SurfacePart::node
   Interpolation interpolation = Interpolation::linear;
-  std::vector<double> times;   // s, ascending
-  std::vector<double> values;  // one per shape and key; cubic_spline: in-tangents, values, out-tangents
+  std::vector<double> times;  // s, ascending
+  // One per shape and key; cubic_spline: in-tangents, values, out-tangents. Never null. Channels of many
+  // parts may share them: a baked surface.glb has as many shapes as keys.
+  std::shared_ptr<const std::vector<double>> values;
 };
 
 struct Clip {

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "host/base/errors.h"
+#include "host/rig/paint.h"
 #include "host/rig/pose_interpolation.h"
 #include "host/rig/rig_math.h"
 
@@ -86,15 +87,17 @@ void add_clip(const Placed& placed, std::uint32_t first_joint, Clip& all) {
 
 // 0 on the characters that lack the attribute.
 void add_painted(const Placed& placed, std::size_t first_vertex, Character& all) {
-  for (const PaintedAttribute& one : placed.character->painted) {
+  for (PaintedAttribute one : placed.character->painted) {
     auto found = std::find_if(all.painted.begin(), all.painted.end(),
                               [&](const PaintedAttribute& a) { return a.name == one.name; });
     if (found == all.painted.end())
       found = all.painted.insert(all.painted.end(), PaintedAttribute{one.name, one.width, {}});
-    if (found->width != one.width)
+    if (find_paint_kind(one.name) != nullptr && found->width != one.width)
       throw base::SceneError("`" + one.name + "` has " + std::to_string(one.width) +
                              " numbers on character " + placed.name + " and " + std::to_string(found->width) +
                              " on another; paint the same count on both, or rename one of them");
+    widen(*found, one.width);
+    widen(one, found->width);
     found->values.resize(first_vertex * one.width, 0.0);
     found->values.insert(found->values.end(), one.values.begin(), one.values.end());
   }

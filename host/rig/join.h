@@ -29,8 +29,8 @@ struct Placed {
 };
 
 // For each character in turn, appends a joint with its name, its joints below that, its vertices, triangles
-// and parts. All clips become one. Throws base::SceneError if two characters have an attribute of the same
-// name but different widths.
+// and parts. All clips become one. Painted attributes of the same name get the larger width; throws
+// base::SceneError if theirs differ for one of the paint_kinds().
 Character joined(std::span<const Placed> characters);
 
 // One more than the largest node index in a character's parts and weights.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <utility>
 
 #include "host/base/content_hash.h"
 #include "host/base/errors.h"
@@ -32,6 +34,21 @@ std::string surface_hash(const mesh::SurfaceMesh& surface) {
   for (const auto& t : surface.triangles)
     for (const std::uint32_t corner : t) hash.add(corner);
   return hash.text();
+}
+
+void widen(PaintedAttribute& attribute, std::uint32_t width) {
+  const std::uint32_t before = attribute.width;
+  if (width <= before) return;
+  std::vector<double> values;
+  values.reserve(attribute.values.size() / before * width);
+  for (std::size_t i = 0; i < attribute.values.size(); ++i) {
+    values.push_back(attribute.values[i]);
+    if ((i + 1) % before != 0) continue;
+    for (std::uint32_t c = before; c < width; ++c)
+      values.push_back(c == 3 && attribute.name.starts_with("COLOR_") ? 1.0 : 0.0);
+  }
+  attribute.width = width;
+  attribute.values = std::move(values);
 }
 
 void lay_over(const Paint& paint, Character& character) {

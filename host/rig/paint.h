@@ -42,6 +42,10 @@ struct Paint {
 // Hashes positions and triangles; 32 hex digits.
 std::string surface_hash(const mesh::SurfaceMesh& surface);
 
+// Raises the numbers per vertex to `width`, if it has fewer: the new ones are 0, or 1 for the alpha of a
+// COLOR_n.
+void widen(PaintedAttribute& attribute, std::uint32_t width);
+
 // Sets the values of the painted vertices. Adds an attribute that the character lacks, with the kind's
 // `elsewhere` on all other vertices. The paint must belong to this surface. Throws base::SceneError if the
 // character has an attribute of the same name with another width.

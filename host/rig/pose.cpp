@@ -1,6 +1,7 @@
 #include "host/rig/pose.h"
 
 #include <charconv>
+#include <optional>
 
 #include "host/base/errors.h"
 #include "host/base/nearest_name.h"
@@ -44,6 +45,31 @@ std::vector<std::size_t> clips_called(const std::vector<Clip>& clips, const std:
   return found;
 }
 
+// What a clip's channels make of the joints that they move.
+std::vector<std::optional<JointParts>> moved_parts(const Character& character, const Clip* clip,
+                                                   double time) {
+  std::vector<std::optional<JointParts>> moved(character.skeleton.size());
+  if (clip == nullptr) return moved;
+  for (const Channel& channel : clip->channels) {
+    const Joint& joint = character.skeleton[channel.joint];
+    std::optional<JointParts>& parts = moved[channel.joint];
+    if (!parts) parts = JointParts{joint.rest_translation, joint.rest_scale, joint.rest_rotation};
+    const Eigen::Vector4d value = sample(channel, time);
+    switch (channel.path) {
+      case ChannelPath::translation:
+        parts->translation = value.head<3>();
+        break;
+      case ChannelPath::scale:
+        parts->scale = value.head<3>();
+        break;
+      case ChannelPath::rotation:
+        parts->rotation = value;
+        break;
+    }
+  }
+  return moved;
+}
+
 std::string list_of_clips(const std::vector<Clip>& clips) {
   std::string text;
   for (std::size_t i = 0; i < clips.size(); ++i)
@@ -85,43 +111,27 @@ const Clip* find_clip(const Character& character, const std::string& name) {
 }
 
 std::vector<Eigen::Matrix4d> joint_transforms_at(const Character& character, const Clip* clip, double time) {
-  const std::size_t count = character.skeleton.size();
-  std::vector<Eigen::Matrix4d> local(count);
-  for (std::size_t j = 0; j < count; ++j) local[j] = character.skeleton[j].rest_local;
-  if (clip != nullptr) {
-    struct Parts {
-      Vector3d translation, scale;
-      Eigen::Vector4d rotation;
-      bool moved = false;
-    };
-    std::vector<Parts> parts(count);
-    for (const Channel& channel : clip->channels) {
-      const Joint& joint = character.skeleton[channel.joint];
-      Parts& p = parts[channel.joint];
-      if (!p.moved) p = {joint.rest_translation, joint.rest_scale, joint.rest_rotation, true};
-      const Eigen::Vector4d value = sample(channel, time);
-      switch (channel.path) {
-        case ChannelPath::translation:
-          p.translation = value.head<3>();
-          break;
-        case ChannelPath::scale:
-          p.scale = value.head<3>();
-          break;
-        case ChannelPath::rotation:
-          p.rotation = value;
-          break;
-      }
-    }
-    for (std::size_t j = 0; j < count; ++j) {
-      if (parts[j].moved) local[j] = local_transform(parts[j].translation, parts[j].rotation, parts[j].scale);
-    }
+  const std::vector<std::optional<JointParts>> moved = moved_parts(character, clip, time);
+  std::vector<Eigen::Matrix4d> joints;
+  joints.reserve(moved.size());
+  for (std::size_t j = 0; j < moved.size(); ++j) {
+    const Joint& joint = character.skeleton[j];
+    const Eigen::Matrix4d& above =
+        joint.parent < 0 ? character.root : joints[static_cast<std::size_t>(joint.parent)];
+    const Eigen::Matrix4d local =
+        moved[j] ? local_transform(moved[j]->translation, moved[j]->rotation, moved[j]->scale)
+                 : joint.rest_local;
+    joints.emplace_back(above * local);
   }
-  for (std::size_t j = 0; j < count; ++j) {
-    const std::int32_t parent = character.skeleton[j].parent;
-    const Eigen::Matrix4d& above = parent < 0 ? character.root : local[static_cast<std::size_t>(parent)];
-    local[j] = (above * local[j]).eval();
-  }
-  return local;
+  return joints;
+}
+
+std::vector<JointParts> joint_parts_at(const Character& character, const Clip* clip, double time) {
+  const std::vector<std::optional<JointParts>> moved = moved_parts(character, clip, time);
+  std::vector<JointParts> parts;
+  for (std::size_t j = 0; j < moved.size(); ++j)
+    parts.push_back(moved[j] ? *moved[j] : joint_parts(character.skeleton[j].rest_local));
+  return parts;
 }
 
 std::vector<Eigen::Matrix4d> pose_at(const Character& character, const Clip* clip, double time) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/rig/character.h"
+#include "host/rig/rig_math.h"
 
 namespace fascicle::rig {
 
@@ -20,5 +21,9 @@ std::vector<Eigen::Matrix4d> pose_at(const Character& character, const Clip* cli
 // For each joint the affine map from its own space to the pose at `time` (metres), as above; pose_at
 // multiplies these by the inverse bind matrices.
 std::vector<Eigen::Matrix4d> joint_transforms_at(const Character& character, const Clip* clip, double time);
+
+// Each joint's transform in its parent's space at `time`, as the channels give it: a scale of zero or below
+// zero keeps its rotation, which no map to the world would tell.
+std::vector<JointParts> joint_parts_at(const Character& character, const Clip* clip, double time);
 
 }  // namespace fascicle::rig

@@ -15,14 +15,13 @@ constexpr double opposite = -0.999;
 
 }  // namespace
 
-JointParts joint_parts(const Eigen::Matrix4d& above, const Eigen::Matrix4d& joint,
-                       const Vector3d& rest_scale) {
-  const Eigen::Matrix4d local = above.inverse() * joint;
+JointParts joint_parts(const Eigen::Matrix4d& local) {
   JointParts parts{.translation = local.topRightCorner<3, 1>(), .scale = Vector3d::Zero(), .rotation = {}};
   Eigen::Matrix3d rotation = local.topLeftCorner<3, 3>();
+  const bool mirrors = rotation.determinant() < 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = rotation.col(axis).norm();
-    parts.scale[axis] = rest_scale[axis] < 0.0 ? -length : length;
+    parts.scale[axis] = mirrors && axis == 0 ? -length : length;
     if (length > 0.0) rotation.col(axis) /= parts.scale[axis];
   }
   parts.rotation = Eigen::Quaterniond(rotation).normalized().coeffs();

@@ -7,16 +7,14 @@
 
 namespace fascicle::rig {
 
-// A joint's transform in its parent's space, decomposed.
+// A joint's transform in its parent's space: translation * rotation * scale.
 struct JointParts {
   Vector3d translation, scale;
   Eigen::Vector4d rotation;  // x y z w, unit length
 };
 
-// For a joint with parent `above`, both as maps from their own space to the world. The scale keeps the signs
-// it has at rest.
-JointParts joint_parts(const Eigen::Matrix4d& above, const Eigen::Matrix4d& joint,
-                       const Vector3d& rest_scale);
+// The parts of an affine map. A map that mirrors has a negative scale in x; shear is lost.
+JointParts joint_parts(const Eigen::Matrix4d& local);
 
 // Inverse of a matrix whose last row is 0 0 0 1; not finite if it is singular.
 Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m);

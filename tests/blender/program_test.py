@@ -4,6 +4,7 @@ of the add-on. A stand-in for the program writes small bakes; the class Exports 
 import importlib
 import json
 import os
+import runpy
 import shutil
 import struct
 import subprocess
@@ -437,6 +438,28 @@ class Exports(InFolder):
     def test_control_a_file_that_is_left_is_found(self):
         with mock.patch.object(program, "BESIDE", {}), self.assertRaisesRegex(AssertionError, "vtp/series.pvd"):
             self.expect_as_fresh()
+
+
+class ImportScript(unittest.TestCase):
+    """import_blender.py of a bake. Blender 5 keeps an action's curves in layers alone; Blender 3 knows no layers."""
+
+    def test_finds_curves_in_every_version(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bake = os.path.join(folder, "bake")
+            subprocess.run([PROGRAM, "bake", "bar-hang-none", "--end", "0.1", "--format", "pc2", "--device", "cpu",
+                            "-o", bake],
+                           check=True, capture_output=True)
+            with mock.patch.dict(sys.modules, {"bpy": types.ModuleType("bpy")}):
+                script = runpy.run_path(os.path.join(bake, "import_blender.py"))
+        old = types.SimpleNamespace(fcurves=["a", "b"])
+        bags = [types.SimpleNamespace(fcurves=["a"]), types.SimpleNamespace(fcurves=["b"])]
+        new = types.SimpleNamespace(
+            layers=[types.SimpleNamespace(strips=[types.SimpleNamespace(channelbags=bags)])])
+        # From 4.4 to 4.5 actions have both, and the old list holds those of the first object alone.
+        between = types.SimpleNamespace(fcurves=["a"], layers=new.layers)
+        for action in (old, new, between):
+            self.assertEqual(script["curves_of"](action), ["a", "b"])
+        self.assertEqual(script["curves_of"](types.SimpleNamespace(layers=[])), [])
 
 
 if __name__ == "__main__":

@@ -184,8 +184,7 @@ void expect_in_one_document(const std::string& text, std::size_t least_objects,
   drive::DriveSource drives(scene, model);
   std::vector<std::string> missing;
   const std::string bytes = formats::character_glb(
-      scene, model, [&](std::uint64_t frame) { return drives.joints(frame); },
-      [&](std::uint64_t frame) { return drives.clip_time(frame); }, missing);
+      scene, model, [&](std::uint64_t frame) { return drives.clip_time(frame); }, missing);
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "fascicle_characters.glb";
   std::ofstream(file, std::ios::binary) << bytes;
 

@@ -13,6 +13,7 @@
 #include "host/formats/skinned_surface.h"
 #include "host/gltf/gltf.h"
 #include "host/rig/pose.h"
+#include "tests/formats/baked_character.h"
 #include "tests/gltf/gltf_builder.h"
 #include "tests/gltf/gltf_viewer.h"
 
@@ -21,43 +22,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double fps = 8.0;
-
-// The file's character, as a bake stores it in its folder.
-struct Baked {
-  TemporaryFolder folder;
-  scene::Scene scene;
-  model::Model model;
-  std::filesystem::path character;
-
-  Baked(const GltfBuilder& b, double scale) {
-    const std::filesystem::path file = folder.write("face.glb", b.glb());
-    scene.geometry = gltf::read_gltf(file);
-    scene.input_hashes.emplace_back(file.string(), "");
-    scene.scale = scale;
-    scene.fps = fps;
-    scene.start = 0.25;
-    scene.end = 1.0;
-    const auto& of = std::get<rig::Character>(scene.geometry);
-    model.unit = 4.0;
-    model.joint_count = static_cast<std::uint32_t>(of.skeleton.size());
-    model.surface_vertex.assign(4 * of.surface.vertices.size(), 0);
-    const auto time = [this](std::uint64_t frame) {
-      return scene.start + static_cast<double>(frame) / scene.fps;
-    };
-    const auto pose = [&](std::uint64_t frame) {
-      return rig::joint_transforms_at(of, &of.clips.front(), time(frame));
-    };
-    std::vector<std::string> missing;
-    const std::string bytes = formats::character_glb(scene, model, pose, time, missing);
-    character = folder.write("character.glb", bytes);
-  }
-};
-
 // The bind pose, with the shapes at their rest weights, after skinning: a baked surface without dynamics.
 std::vector<float> skinned(const Baked& baked, std::uint64_t frame) {
   const auto& of = std::get<rig::Character>(baked.scene.geometry);
-  const auto pose = rig::pose_at(of, &of.clips.front(), baked.scene.start + static_cast<double>(frame) / fps);
+  const auto pose =
+      rig::pose_at(of, &of.clips.front(), baked.scene.start + static_cast<double>(frame) / baked_fps);
   std::vector<float> surface;
   for (std::size_t i = 0; i < of.surface.vertices.size(); ++i) {
     Eigen::Vector4d p = Eigen::Vector4d::Zero();
@@ -86,14 +55,14 @@ TEST_P(BlendShapes, move_the_surface_as_a_viewer_shows_the_file) {
   const double scale = GetParam();
   const GltfBuilder b = column_with_shapes();
   const Baked baked(b, scale);
-  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, baked_fps);
   ASSERT_FALSE(shapes.empty());
-  const formats::SkinnedSurface compared(baked.character, baked.model, fps);
+  const formats::SkinnedSurface compared(baked.character, baked.model, baked_fps);
   const GltfViewer viewer(b);
   double most = 0.0;
   for (std::uint64_t frame = 0; frame <= 6; ++frame) {
     std::vector<float> surface = skinned(baked, frame);
-    const std::vector<Vector3d> shown = viewer.shown(0, 0.25 + static_cast<double>(frame) / fps);
+    const std::vector<Vector3d> shown = viewer.shown(0, 0.25 + static_cast<double>(frame) / baked_fps);
     most = std::max(most, distance(surface, baked.model.unit, shown, scale));
     shapes.add_to(frame, surface);
     // The surface, the matrices and the keys in character.glb are floats of about 2.
@@ -107,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Scales, BlendShapes, testing::Values(1.0, 0.01));
 
 TEST(BlendShapesOf, a_file_without_any_changes_nothing) {
   const Baked baked(column(), 1.0);
-  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, baked_fps);
   EXPECT_TRUE(shapes.empty());
   const std::vector<float> before = skinned(baked, 3);
   std::vector<float> after = before;
@@ -117,7 +86,7 @@ TEST(BlendShapesOf, a_file_without_any_changes_nothing) {
 
 TEST(BlendShapesOf, a_still_vertex_keeps_its_bits) {
   const Baked baked(column_with_shapes(), 1.0);
-  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, baked_fps);
   const std::vector<float> before = skinned(baked, 4);
   std::vector<float> after = before;
   shapes.add_to(4, after);

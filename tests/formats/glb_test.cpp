@@ -14,6 +14,7 @@
 #include "host/bake/export.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/formats/formats.h"
+#include "host/formats/glb_document.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/gltf/gltf_rig.h"
@@ -191,6 +192,25 @@ TEST(Glb, ErrorChoosesTheFrames) {
     EXPECT_LE(glb.document["extras"]["fascicle"]["interpolation_error"], bound);
   }
   EXPECT_EQ(targets_before, 2u);
+}
+
+// The baked targets replace those of the meshes that they belong to, and no others.
+TEST(Glb, OtherMeshesKeepTheirMorphTargets) {
+  json document = json::parse(R"({
+      "nodes": [{"mesh": 0}, {"mesh": 1}, {}],
+      "animations": [
+        {"name": "baked", "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}]},
+        {"name": "walk", "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}},
+                                      {"sampler": 1, "target": {"node": 1, "path": "weights"}},
+                                      {"sampler": 2, "target": {"node": 2, "path": "rotation"}}]},
+        {"name": "talk", "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}]}]})");
+  formats::drop_weight_channels(document, {0, 0}, 1);
+  const json& animations = document["animations"];
+  ASSERT_EQ(animations.size(), 2u);
+  EXPECT_TRUE(animations[0]["channels"].empty()) << "the first is kept, for the baked targets";
+  ASSERT_EQ(animations[1]["channels"].size(), 2u);
+  EXPECT_EQ(animations[1]["channels"][0]["target"]["node"], 1);
+  EXPECT_EQ(animations[1]["channels"][1]["target"]["path"], "rotation");
 }
 
 TEST(Glb, TooManyTargetsForBrowsersAreSaid) {

@@ -16,11 +16,13 @@
 
 #include "host/bake/bake.h"
 #include "host/formats/formats.h"
+#include "host/formats/obj_text.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/formats/surface_velocities.h"
 #include "host/formats/unique_names.h"
+#include "host/formats/usd_text.h"
 #include "tests/bake/fake_solver.h"
 #include "tests/formats/dressed_model.h"
 #include "tests/formats/ogawa_reader.h"
@@ -118,6 +120,50 @@ TEST(SurfaceObjects, AreThoseOfTheFile) {
   // Rotated to the bind pose; the file has Z up.
   ASSERT_EQ(surface.normals.size(), 27u);
   for (std::size_t i = 0; i < 27; ++i) EXPECT_NEAR(surface.normals[i], dressed_normals[i], normal_error);
+}
+
+// Alpha acts only where the file says so: exporters often leave one of 0 on opaque materials.
+TEST(SurfaceObjects, ShowAlphaAsTheFileSays) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "character.glb";
+  write_dressed(path, [](gltf::GltfDocument& document) {
+    json& materials = document.json["materials"];
+    document.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+    document.json["textures"][0]["sampler"] = 0;
+    materials[0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0};
+    materials[1]["alphaMode"] = "MASK";
+    materials[1]["alphaCutoff"] = 0.25;
+    materials[2] = {{"alphaMode", "BLEND"},
+                    {"extensions",
+                     {{"KHR_materials_pbrSpecularGlossiness",
+                       {{"diffuseFactor", {0.5, 0, 0, 0.5}}, {"glossinessFactor", 0.75}}}}}};
+  });
+  const formats::SurfaceObjects surface = formats::read_surface_objects(dressed_model(), path);
+  const std::string mtl = formats::mtl_text(surface, "../"), usd = formats::usd_materials(surface, "/m", 0);
+  const auto part = [](const std::string& text, const std::string& from, const std::string& to) {
+    const std::size_t first = text.find(from);
+    return first == std::string::npos ? "" : text.substr(first, text.find(to, first) - first);
+  };
+  const auto has = [](const std::string& text, const std::string& what) {
+    return text.find(what) != std::string::npos;
+  };
+  const std::string opaque = part(usd, "def Material \"Skin\"", "def Material \"Cloth_Red\"");
+  EXPECT_TRUE(has(opaque, "float inputs:opacity = 1\n")) << opaque;
+  const std::string masked = part(usd, "def Material \"Cloth_Red\"", "def Material \"material_2\"");
+  EXPECT_TRUE(has(masked, "float inputs:opacity.connect = </m/Cloth_Red/Texture.outputs:a>\n")) << masked;
+  EXPECT_TRUE(has(masked, "float inputs:opacityThreshold = 0.25\n")) << masked;
+  EXPECT_TRUE(has(masked, "float outputs:a\n")) << masked;
+  EXPECT_TRUE(has(masked, "token inputs:wrapS = \"clamp\"\n")) << masked;
+  EXPECT_TRUE(has(masked, "token inputs:wrapT = \"mirror\"\n")) << masked;
+  const std::string blended = part(usd, "def Material \"material_2\"", "no such text");
+  EXPECT_TRUE(has(blended, "color3f inputs:diffuseColor = (0.5, 0, 0)\n")) << blended;
+  EXPECT_TRUE(has(blended, "float inputs:opacity = 0.5\n")) << blended;
+  EXPECT_TRUE(has(blended, "float inputs:roughness = 0.25\n")) << blended;
+  EXPECT_TRUE(has(blended, "int inputs:useSpecularWorkflow = 1\n")) << blended;
+  EXPECT_TRUE(has(part(mtl, "newmtl Skin", "newmtl Cloth"), "\nd 1\n")) << mtl;
+  EXPECT_TRUE(has(part(mtl, "newmtl Cloth", "newmtl material"), "\nmap_d ../textures/image_000.png\n"))
+      << mtl;
+  EXPECT_TRUE(has(part(mtl, "newmtl material", "no such text"), "\nd 0.5\n")) << mtl;
 }
 
 TEST(SurfaceObjects, RefuseAFileThatDoesNotFit) {

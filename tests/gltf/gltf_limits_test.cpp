@@ -213,6 +213,60 @@ GltfBuilder with_pictures(std::size_t materials, bool is_one_image) {
   return builder;
 }
 
+// A small file's channels may all name the same keys, each of which a clip holds for itself.
+TEST(GltfLimits, keys_in_many_channels) {
+  GltfBuilder builder = column();
+  const std::size_t keys = 5000;
+  std::vector<float> times(keys), turns;
+  for (std::size_t k = 0; k < keys; ++k) {
+    times[k] = static_cast<float>(k);
+    turns.insert(turns.end(), {0, 0, 0, 1});
+  }
+  const std::size_t input = builder.add("SCALAR", times), output = builder.add("VEC4", turns);
+  const json sampler{{"input", input}, {"output", output}};
+  const auto with_clips = [&](std::size_t count) {
+    GltfBuilder many = builder;
+    many.document["animations"] =
+        json(count, json{{"samplers", {sampler}},
+                         {"channels",
+                          {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}},
+                           {{"sampler", 0}, {"target", {{"node", 2}, {"path", "rotation"}}}}}}});
+    return many;
+  };
+  // 2^20 numbers and 16 for a byte, at 25,000 a channel.
+  const std::size_t most = (std::size_t{1} << 20) + 16 * builder.bytes.size();
+  const std::size_t fit = most / (2 * 5 * keys);
+  const TemporaryFolder folder;
+  EXPECT_EQ(gltf::read_gltf(folder.write("fit.glb", with_clips(fit).glb())).clips.size(), fit);
+  expect_too_many(with_clips(2 * fit), std::to_string(most) + " numbers of clips",
+                  "/animations/" + std::to_string(fit));
+}
+
+// A baked surface.glb has as many shapes as keys, and every mesh follows the same weights.
+TEST(GltfLimits, weights_of_many_meshes_are_held_once) {
+  GltfBuilder builder = column_with_shapes();
+  const std::size_t keys = 20'000;
+  std::vector<float> times(keys);
+  for (std::size_t k = 0; k < keys; ++k) times[k] = static_cast<float>(k);
+  const std::size_t input = builder.add("SCALAR", times),
+                    output = builder.add("SCALAR", std::vector<float>(2 * keys, 0.5f));
+  json channels = json::array();
+  for (std::size_t n = 0; n < 150; ++n) {
+    const std::size_t node = builder.document["nodes"].size();
+    builder.document["nodes"].push_back({{"mesh", 0}, {"skin", 0}});
+    builder.document["scenes"][0]["nodes"].push_back(node);
+    channels.push_back({{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}});
+  }
+  builder.document["animations"] = json::array(
+      {{{"samplers", json::array({{{"input", input}, {"output", output}}})}, {"channels", channels}}});
+  const TemporaryFolder folder;
+  const rig::Character character = gltf::read_gltf(folder.write("many.glb", builder.glb()));
+  const std::vector<rig::WeightChannel>& weights = character.clips.at(0).weights;
+  ASSERT_EQ(weights.size(), 150u);
+  for (const rig::WeightChannel& channel : weights) EXPECT_EQ(channel.values, weights[0].values);
+  EXPECT_EQ(weights[0].values->size(), 2 * keys);
+}
+
 TEST(GltfLimits, one_image_in_many_textures_is_read_once) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.write("pictures.glb", with_pictures(500, true).glb());

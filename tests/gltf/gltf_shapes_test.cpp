@@ -88,7 +88,8 @@ TEST(GltfShapes, clips_move_them_by_steps_and_straight) {
 TEST(GltfShapes, cubic_keys) {
   rig::WeightChannel channel{.interpolation = rig::Interpolation::cubic_spline,
                              .times = {1.0, 3.0},
-                             .values = {0, 0, 0.0, 2.0, 0, 1, 0, 0, 1.0, 2.0, 0, 0}};
+                             .values = std::make_shared<const std::vector<double>>(
+                                 std::vector<double>{0, 0, 0.0, 2.0, 0, 1, 0, 0, 1.0, 2.0, 0, 0})};
   const std::vector<double> at = rig::weights_at(channel, 1.5);
   ASSERT_EQ(at.size(), 2u);
   EXPECT_NEAR(at[0], 0.0625 * 2.5, 1e-15);

@@ -349,6 +349,69 @@ TEST(Gltf, unused_paint_is_noted) {
     EXPECT_EQ(notes_of(name, "SCALAR", 1), "");
 }
 
+// Exporters write colours with alpha on one mesh and without on another.
+TEST(Gltf, paint_takes_the_larger_width) {
+  GltfBuilder b = column();
+  b.document["meshes"][0]["primitives"].push_back(b.document["meshes"][0]["primitives"][0]);
+  b.document["meshes"][0]["primitives"].push_back(b.document["meshes"][0]["primitives"][0]);
+  json& primitives = b.document["meshes"][0]["primitives"];
+  const auto add = [&](const char* type, std::size_t width) {
+    return b.add<float>(type, std::vector<float>(12 * width, 0.25f));
+  };
+  primitives[0]["attributes"]["COLOR_0"] = add("VEC3", 3);
+  primitives[0]["attributes"]["_WIND"] = add("VEC4", 4);
+  primitives[1]["attributes"]["COLOR_0"] = add("VEC4", 4);
+  primitives[1]["attributes"]["_WIND"] = add("VEC3", 3);
+  primitives[2]["attributes"]["COLOR_0"] = add("VEC3", 3);
+  const Character c = read(b);
+  ASSERT_EQ(c.painted.size(), 2u);
+  for (const rig::PaintedAttribute& a : c.painted) {
+    ASSERT_EQ(a.width, 4u) << a.name;
+    ASSERT_EQ(a.values.size(), 4u * 36) << a.name;
+    for (std::size_t i = 0; i < a.values.size(); ++i) {
+      const std::size_t vertex = i / 4, component = i % 4;
+      double expected = 0.25;
+      if (a.name == "COLOR_0" && component == 3 && vertex / 12 != 1) expected = 1.0;  // opaque
+      if (a.name == "_WIND" && (vertex >= 24 || (vertex >= 12 && component == 3))) expected = 0.0;
+      EXPECT_EQ(a.values[i], expected) << a.name << " " << i;
+    }
+  }
+}
+
+// The other kinds act by themselves: there a padded number would mean something else.
+TEST(Gltf, paint_that_acts_must_have_one_width) {
+  GltfBuilder b = column();
+  b.document["meshes"][0]["primitives"].push_back(b.document["meshes"][0]["primitives"][0]);
+  json& primitives = b.document["meshes"][0]["primitives"];
+  primitives[0]["attributes"]["_LAYER"] = b.add<float>("SCALAR", std::vector<float>(12, 1.0f));
+  primitives[1]["attributes"]["_LAYER"] = b.add<float>("VEC3", std::vector<float>(36, 1.0f));
+  try {
+    read(b);
+    ADD_FAILURE() << "was read";
+  } catch (const base::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("attributes/_LAYER: has 3 numbers a vertex, and 1 on another"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Gltf, too_much_paint_is_left_out_and_named) {
+  GltfBuilder b = column();
+  json& attributes = b.document["meshes"][0]["primitives"][0]["attributes"];
+  const std::size_t values = b.add<float>("SCALAR", std::vector<float>(12, 1.0f));
+  for (char letter = 'A'; letter <= 'R'; ++letter) attributes[std::string("_BAG_") + letter] = values;
+  attributes["_RIGID"] = values;
+  const Character c = read(b);
+  EXPECT_EQ(c.painted.size(), 17u);
+  EXPECT_TRUE(
+      std::any_of(c.painted.begin(), c.painted.end(), [](const auto& a) { return a.name == "_RIGID"; }));
+  ASSERT_FALSE(c.notes.empty());
+  EXPECT_EQ(
+      c.notes[0],
+      "the attribute `_BAG_Q` and 1 more are not read: a character has at most 16 besides those that act by "
+      "themselves");
+}
+
 // The column's raw units are centimetres with Z up: a fibre along z is along y in the bind pose.
 TEST(Gltf, painted_attributes_are_carried) {
   GltfBuilder b = column();

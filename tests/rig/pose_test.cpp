@@ -232,5 +232,40 @@ TEST(FindClip, by_the_last_part_of_its_name) {
   EXPECT_NE(refusal("llop").find("has no clip `llop`"), std::string::npos) << "part of a word does not match";
 }
 
+// Of a map that is not singular, the parts make the map again.
+TEST(JointParts, make_the_map_again) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.25, 2.0);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d scale(i % 2 == 0 ? unit(random) : -unit(random), i % 3 == 0 ? -unit(random) : unit(random),
+                         i % 5 == 0 ? -unit(random) : unit(random));
+    const Matrix4d map =
+        rig::local_transform({unit(random), unit(random), -3.0}, random_rotation(random), scale);
+    const rig::JointParts parts = rig::joint_parts(map);
+    const Matrix4d again = rig::local_transform(parts.translation, parts.rotation, parts.scale);
+    EXPECT_LT((again - map).cwiseAbs().maxCoeff(), 100 * rounding) << i;
+  }
+}
+
+TEST(JointParts, are_those_of_the_channels) {
+  rig::Character character;
+  character.skeleton.resize(2);
+  character.skeleton[0].rest_scale = {1, 2, 3};
+  character.skeleton[0].rest_local =
+      rig::local_transform(Vector3d::Zero(), {0, 0, 0, 1}, character.skeleton[0].rest_scale);
+  character.skeleton[1].parent = 0;
+  const Vector4d turn = Vector4d(0.1, 0.2, 0.3, 0.9).normalized();
+  rig::Clip clip;
+  clip.channels.push_back({0, ChannelPath::scale, Interpolation::step, {0.0}, {0.0, -1.0, 0.0}});
+  clip.channels.push_back(
+      {1, ChannelPath::rotation, Interpolation::step, {0.0}, {turn[0], turn[1], turn[2], turn[3]}});
+  const std::vector<rig::JointParts> rest = rig::joint_parts_at(character, nullptr, 0.0);
+  EXPECT_EQ(rest[0].scale, Vector3d(1, 2, 3));
+  const std::vector<rig::JointParts> parts = rig::joint_parts_at(character, &clip, 0.0);
+  EXPECT_EQ(parts[0].scale, Vector3d(0, -1, 0)) << "a scale of zero and one below zero";
+  EXPECT_EQ(parts[0].rotation, Vector4d(0, 0, 0, 1));
+  EXPECT_LT((parts[1].rotation - turn).norm(), rounding) << "below a joint that has no volume";
+}
+
 }  // namespace
 }  // namespace fascicle::tests
