@@ -2,11 +2,13 @@
 
 fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--processes N] [--write] | --list: FASCICLE_FUZZ_BUILD names
 the build folder of the preset `fuzz`. Its folder `corpus` keeps inputs that reached new code, `found` inputs that
-exposed a flaw. --write: into the page in docs; targets that did not run keep their line. --list: only prints the
-targets."""
+exposed a flaw, `runs` how far a run of --runs came that was stopped: it goes on, unless the target was built anew.
+--write: into the page in docs; targets that did not run keep their line. --list: only prints the targets."""
 
 import argparse
 import concurrent.futures
+import hashlib
+import json
 import os
 import platform
 import re
@@ -39,6 +41,8 @@ MOST_MEBIBYTES, MOST_SECONDS = 512, 10
 SCHEDULE = ("-entropic=0",)
 # The preset does not record compared values (trace-cmp) either: gltf reads 1.5 times as many files per second, and
 # reaches as much code in half a minute (three seeds).
+# A long run goes in pieces, so that it can be stopped: files of one process.
+PIECE = 250000
 CONTROL, RUNS_OF_CONTROL = "planted", 2000000
 # {file that exposes a flaw of the planted reader: what the fuzzer must say}
 PLANTED = {"bone": "heap-buffer-overflow", "fat": "terminate called after throwing", "leak": "detected memory leaks",
@@ -68,8 +72,8 @@ reads the seeds and all earlier finds, damages them by fixed rules, and extends 
 %s
 Each line is the last run of its target, on %s, with %s. The peak memory is that of one process.
 `./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000 --processes 8` runs targets for longer, each
-in eight processes, which share what they find. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz`
-reads it in every build.
+in eight processes, which share what they find. Such a run may be stopped: it goes on where it was, with the same
+programs. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads it in every build.
 """
 
 
@@ -114,16 +118,63 @@ def fuzzed(target, k, ends, temporary):
             1 if done.returncode else 0)
 
 
+class SoFar:
+    """What a run found so far. Its file says so to the next, which goes on if the same program reads the files."""
+
+    def __init__(self, target, goes_on):
+        os.makedirs(os.path.join(BUILD, "runs"), exist_ok=True)
+        self.path = os.path.join(BUILD, "runs", target + ".json")
+        with open(os.path.join(BUILD, "fuzz_" + target), "rb") as file:
+            self.program = hashlib.sha256(file.read()).hexdigest()
+        self.files = self.seconds = self.mebibytes = self.slowest = self.flaws = 0
+        if not goes_on or not os.path.exists(self.path):
+            return
+        with open(self.path) as file:
+            found = json.load(file)
+        if found.pop("program") == self.program:
+            vars(self).update(found)
+            print("%-10s goes on after %d files" % (target, self.files), flush=True)
+
+    def add(self, of_processes, seconds):
+        files, mebibytes, slowest, flaws = zip(*of_processes)
+        self.files += sum(files)
+        self.seconds += seconds
+        self.mebibytes, self.slowest = max(self.mebibytes, *mebibytes), max(self.slowest, *slowest)
+        self.flaws = max(flaws)
+
+    def keep(self):
+        with open(self.path + ".new", "w") as file:
+            json.dump({key: value for key, value in vars(self).items() if key not in ("path", "flaws")}, file)
+        os.replace(self.path + ".new", self.path)
+
+    def forget(self):
+        if os.path.exists(self.path):
+            os.remove(self.path)
+
+
 def run(target, asked, temporary):
     """(target, processes, files, seconds, peak MiB of one process, slowest file in s, flaws) of one target."""
     os.makedirs(os.path.join(BUILD, "corpus", target), exist_ok=True)
     n = asked.processes
-    ends = ["-runs=%d" % -(-asked.runs // n)] if asked.runs else []
-    ends += ["-max_total_time=%d" % asked.seconds] if asked.seconds else []
-    begin = time.monotonic()
+    so_far = SoFar(target, goes_on=bool(asked.runs))
+    stops = time.monotonic() + asked.seconds if asked.seconds else None
     with concurrent.futures.ThreadPoolExecutor(n) as pool:
-        files, mebibytes, slowest, flaws = zip(*pool.map(lambda k: fuzzed(target, k, ends, temporary), range(n)))
-    result = (target, n, sum(files), time.monotonic() - begin, max(mebibytes), max(slowest), max(flaws))
+        while True:
+            begin = time.monotonic()
+            left = asked.runs and asked.runs - so_far.files
+            ends = ["-runs=%d" % min(PIECE, -(-left // n))] if left else []
+            ends += ["-max_total_time=%d" % max(1, round(stops - begin))] if stops else []
+            found = list(pool.map(lambda k: fuzzed(target, k, ends, temporary), range(n)))
+            so_far.add(found, time.monotonic() - begin)
+            is_over = so_far.flaws or (stops and time.monotonic() > stops - 1)
+            if is_over or (asked.runs and so_far.files >= asked.runs):
+                break
+            so_far.keep()
+    if so_far.flaws or not asked.runs or so_far.files >= asked.runs:
+        so_far.forget()
+    else:
+        so_far.keep()
+    result = (target, n, so_far.files, so_far.seconds, so_far.mebibytes, so_far.slowest, so_far.flaws)
     print("%-10s %2d %10d files %6.0f s %5d MiB %3d s the slowest %d flaws" % result, flush=True)
     return result
 
