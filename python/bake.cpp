@@ -63,7 +63,10 @@ void add_bake(py::module_& module) {
   const py::none none;
   py::class_<BakeResult> result(module, "BakeResult", "The result of a bake.");
   result.attr("__module__") = "fascicle";
-  result.def_readonly("folder", &BakeResult::folder, "The folder that was written.")
+  result
+      .def_property_readonly(
+          "folder", [](const BakeResult& self) { return path_object(self.folder); },
+          "The folder that was written.")
       .def_property_readonly(
           "frames", [](const BakeResult& self) { return self.result.frames(); }, "Frames done after frame 0.")
       .def_property_readonly(
@@ -73,10 +76,16 @@ void add_bake(py::module_& module) {
           "look", [](const BakeResult& self) { return self.result.look(); },
           "The worst look score; 1 is the limit. NaN if it was not measured.")
       .def_property_readonly(
-          "files", [](const BakeResult& self) { return self.result.files(); }, "The files that were written.")
+          "files",
+          [](const BakeResult& self) {
+            py::list files;
+            for (const std::string& file : self.result.files()) files.append(path_object(file));
+            return files;
+          },
+          "The files that were written.")
       .def("__repr__", [](const BakeResult& self) {
-        return "<fascicle.BakeResult '" + self.folder + "', " + std::to_string(self.result.frames()) +
-               " frames>";
+        return text_object("<fascicle.BakeResult '" + self.folder + "', " +
+                           std::to_string(self.result.frames()) + " frames>");
       });
   module.def("run_bake", &run_bake, "scene"_a, "folder"_a, py::kw_only(), "formats"_a, "device"_a,
              "threads"_a, "mesher"_a.none(true), "cache"_a.none(true), "overwrite"_a, "resume"_a,

@@ -92,8 +92,10 @@ std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
       list.push_back({name.c_str(), FASCICLE_TEXT, 1, bytes.size(), bytes.data()});
       continue;
     }
-    const py::array array = py::array::ensure(value, py::array::c_style);
+    py::array array = py::array::ensure(value, py::array::c_style);
     if (!array) throw py::type_error("array \"" + name + "\" is no array");
+    if (!py::cast<bool>(array.dtype().attr("isnative")))
+      array = array.attr("astype")(array.dtype().attr("newbyteorder")("="));
     list.push_back({name.c_str(), type_of(array, name), static_cast<std::size_t>(array.itemsize()),
                     static_cast<std::size_t>(array.size()), array.data()});
     kept.push_back(array);
@@ -109,7 +111,8 @@ a second to minutes.
     mesher    the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
     cache     folder for filled bodies; "": none; None: the program's default
     progress  called with ("build", 0, 0) repeatedly; returning False or raising ends the build
-    log       called with ("detail", "info" or "warning", message)
+    log       called with ("detail", "info" or "warning", message). The default is Python's logging under the name
+              "fascicle"; None: no messages
 
 A model is immutable, so threads may share it. Raises BadInput if the scene cannot be built, Cancelled if progress
 returned False, and KeyboardInterrupt on Ctrl-C.)";
@@ -131,10 +134,11 @@ void add_model(py::module_& module) {
   using namespace py::literals;
   using fascicle::model;
   const py::none none;
+  const py::object to_logging = py::module_::import("fascicle._progress").attr("log_to_logging");
   py::class_<model, std::shared_ptr<model>> type(module, "Model", model_text);
   type.attr("__module__") = "fascicle";
   type.def(py::init(&build_model), "scene"_a, py::kw_only(), "mesher"_a = none, "cache"_a = none,
-           "progress"_a = none, "log"_a = none, "Builds a scene's model.")
+           "progress"_a = none, py::arg_v("log", to_logging, "log_to_logging"), "Builds a scene's model.")
       .def_static("of_arrays", &of_arrays, "arrays"_a, of_arrays_text)
       .def_property_readonly("vertex_count", &model::vertex_count, "Vertices of the body.")
       .def_property_readonly("tetrahedron_count", &model::tetrahedron_count, "Tetrahedra of the body.")

@@ -1,7 +1,11 @@
 // The module, its exceptions and callbacks.
 #include "python/module.h"
 
+#include <condition_variable>
 #include <exception>
+#include <mutex>
+
+#include <unistd.h>
 
 namespace fascicle_python {
 namespace {
@@ -35,27 +39,96 @@ void raise_error(std::exception_ptr thrown) {
   try {
     std::rethrow_exception(std::move(thrown));
   } catch (const fascicle::error& error) {
-    const py::object raised = py::module_::import("fascicle._errors")
-                                  .attr("error_of")(static_cast<int>(error.status()), error.what());
+    const py::object raised =
+        py::module_::import("fascicle._errors")
+            .attr("error_of")(static_cast<int>(error.status()), text_object(error.what()));
     PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(raised.ptr())), raised.ptr());
   }
 }
 
+// Callbacks that run, and threads that take the lock back. The interpreter's end waits for them.
+struct Ending {
+  std::atomic<std::size_t> taking = 0;
+  std::atomic<bool> has_begun = false;
+  std::atomic<std::thread::id> of{};  // the thread that ends the interpreter, and may always take the lock
+};
+
+Ending& ending() {
+  static Ending only;
+  return only;
+}
+
+// Counts first, so that an end that begins meanwhile either waits for this thread or is seen by it.
+bool begin_to_take() {
+  Ending& end = ending();
+  ++end.taking;
+  if (!end.has_begun || end.of == std::this_thread::get_id()) return true;
+  --end.taking;
+  return false;
+}
+
+void wait_for_those_at_work() {
+  constexpr std::chrono::seconds patience(10);  // a callback may hang
+  const py::gil_scoped_release released;
+  Ending& end = ending();
+  end.of = std::this_thread::get_id();
+  end.has_begun = true;
+  const auto late = std::chrono::steady_clock::now() + patience;
+  while (end.taking != 0 && std::chrono::steady_clock::now() < late)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 }  // namespace
+
+Turn::Turn() : has_it_(begin_to_take()) {
+  if (has_it_) state_ = PyGILState_Ensure();
+}
+
+Turn::~Turn() {
+  if (!has_it_) return;
+  PyGILState_Release(state_);
+  --ending().taking;
+}
+
+Unlocked::~Unlocked() {
+  if (!begin_to_take())
+    for (;;) pause();  // until the process ends
+  PyEval_RestoreThread(state_);
+  --ending().taking;
+}
+
+void Turn::end_at_exit(py::module_& module) {
+  module.attr("_end") = py::cpp_function(wait_for_those_at_work);
+  // A fork has none of the other threads.
+  module.attr("_forget") = py::cpp_function([] { ending().taking = 0; });
+  py::module_::import("atexit").attr("register")(module.attr("_end"));
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") = module.attr("_forget"));
+}
+
+py::str text_object(std::string_view text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
+py::object path_object(const std::string& path) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeFSDefaultAndSize(path.data(), static_cast<Py_ssize_t>(path.size())));
+}
 
 fascicle::log_function log_to(const py::object& log) {
   if (log.is_none()) return {};
   return [&log](fascicle_severity severity, const std::string& message) {
-    const py::gil_scoped_acquire acquired;
+    const Turn turn;
+    if (!turn) return;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    log(text_of(severity), py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
-                               message.data(), static_cast<Py_ssize_t>(message.size()), "replace")));
+    log(text_of(severity), text_object(message));
   };
 }
 
 fascicle::progress_function progress_to(const py::object& progress) {
   return [&progress](fascicle_phase phase, std::uint64_t done, std::uint64_t total) {
-    const py::gil_scoped_acquire acquired;
+    const Turn turn;
+    if (!turn) return false;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (progress.is_none()) return true;
     const py::object answer = progress(text_of(phase), done, total);
@@ -72,6 +145,7 @@ PYBIND11_MODULE(_fascicle, module) {
   py::register_local_exception_translator([](std::exception_ptr thrown) {
     if (thrown) fp::raise_error(std::move(thrown));
   });
+  fp::Turn::end_at_exit(module);
   fp::add_scene(module);
   fp::add_device(module);
   fp::add_bake(module);

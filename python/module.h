@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <fascicle/fascicle.hpp>
 #include <pybind11/pybind11.h>
@@ -21,12 +22,47 @@ void add_device(py::module_& module);  // Device
 void add_model(py::module_& module);   // Model
 void add_solver(py::module_& module);  // Solver, after Device and Model
 
-// Runs `work` without the interpreter lock (GIL). Ctrl-C in a terminal also ends helper processes, so their
-// failure is caused by the interrupt: raises KeyboardInterrupt instead of their error.
+// A thread of the library that wants the interpreter lock (GIL). A daemon thread may be at work while the
+// interpreter ends: it would then be ended in the middle of a C++ call, which aborts the process. From the
+// interpreter's atexit() on, no thread that is at work gets the lock: callbacks cancel the work, and the call
+// does not return.
+class Turn {
+ public:
+  Turn();  // acquires the lock if it may
+  ~Turn();
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+  explicit operator bool() const { return has_it_; }
+
+  static void end_at_exit(py::module_& module);
+
+ private:
+  bool has_it_ = false;
+  PyGILState_STATE state_{};
+};
+
+// Gives the lock away, and takes it again; does not come back if the interpreter ended meanwhile.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked();
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+// The library's messages and names may hold bytes that are not UTF-8, because file names may.
+py::str text_object(std::string_view text);
+py::object path_object(const std::string& path);
+
+// Runs `work` without the lock. After Ctrl-C in a terminal, the failure of a helper process may be due to it:
+// raises KeyboardInterrupt instead of the error.
 template <class Work>
 auto without_lock(const Work& work) {
   try {
-    const py::gil_scoped_release released;
+    const Unlocked unlocked;
     return work();
   } catch (const fascicle::error&) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();

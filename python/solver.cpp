@@ -30,8 +30,10 @@ using Handle = std::shared_ptr<Solver>;
 template <class Work>
 void move_on(Solver& self, const Work& work) {
   if (self.views > 0)
-    throw py::buffer_error("the solver cannot go on: " + std::to_string(self.views) +
-                           " arrays over its memory are in use; del them, or take copies by .copy()");
+    throw py::buffer_error(
+        "the solver cannot go on: " + std::to_string(self.views) +
+        " arrays over its memory are in use; del them, or take copies by .copy(). An interactive "
+        "session also holds the last value that it showed, in _ or Out");
   const Occupied occupied(self.busy, "the solver");
   without_lock([&] { work(self.solver); });
 }

@@ -38,6 +38,9 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
                                      std::pair("glb_compress", request.output.glb.compress)})
     if (length && !(*length >= 0.0 && std::isfinite(*length)))
       throw BadArgument(std::string("options.") + name + " is not a length; give metres, or NaN for none");
+  if (options.first_frame < -1)
+    throw BadArgument("options.first_frame is " + std::to_string(options.first_frame) +
+                      "; it must be at least 0, or -1 for none");
   if (options.first_frame >= 0) request.output.first_number = static_cast<std::uint64_t>(options.first_frame);
   if (options.overwrite != 0 && options.resume != 0)
     throw BadArgument("options.overwrite and options.resume exclude each other; set one");
@@ -159,7 +162,7 @@ fascicle_status fascicle_device_open(const char* name, const fascicle_device_opt
 }
 
 void fascicle_device_destroy(fascicle_device* device) {
-  delete device;
+  api::destroy_in_own_process(device);
 }
 
 const char* fascicle_device_text(const fascicle_device* device) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -30,8 +31,25 @@ fascicle_status failed(fascicle_status status, const char* message) noexcept;
 // The same for the exception being handled.
 fascicle_status failed_by_exception() noexcept;
 
+// The default floating-point environment, on which the bits depend: rounding to nearest, no traps. Threads
+// that are started meanwhile have it too. Restores the caller's.
+class DefaultFloats {
+ public:
+  DefaultFloats() noexcept {
+    std::fegetenv(&before_);
+    std::fesetenv(FE_DFL_ENV);
+  }
+  ~DefaultFloats() { std::fesetenv(&before_); }
+  DefaultFloats(const DefaultFloats&) = delete;
+  DefaultFloats& operator=(const DefaultFloats&) = delete;
+
+ private:
+  std::fenv_t before_;
+};
+
 template <class Work>
 fascicle_status guarded(Work&& work) noexcept {
+  const DefaultFloats floats;
   try {
     work();
     return FASCICLE_OK;

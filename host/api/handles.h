@@ -9,6 +9,10 @@
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+#include <unistd.h>
+
+#include "host/api/boundary.h"
 #include "host/bake/bake.h"
 #include "host/drive/drive_source.h"
 #include "host/drive/pose_drive.h"
@@ -35,6 +39,22 @@ void list_arrays(Body& body);
 // The inverse. Throws BadArgument for names, types and counts that do not match a model.
 model::Model model_of_arrays(const fascicle_array* arrays, std::size_t count);
 
+// Destroys a handle whose threads run in its own process only. In a fork they are gone, and waiting for them
+// would never end: there the handle is left alone.
+template <class Handle>
+void destroy_in_own_process(Handle* handle) {
+  if (handle != nullptr && handle->process == getpid()) delete handle;
+}
+
+// Throws BadArgument for null, and for a handle that was made before this process was forked.
+template <class Handle>
+void must_be_usable(const Handle* handle, const char* name) {
+  must_have(handle, name);
+  if (handle->process != getpid())
+    throw BadArgument(std::string("the ") + name + " belongs to process " + std::to_string(handle->process) +
+                      ", of which this is a fork; create one in this process");
+}
+
 }  // namespace fascicle::api
 
 struct fascicle_scene {
@@ -47,6 +67,7 @@ struct fascicle_bake {
 };
 
 struct fascicle_device {
+  pid_t process = getpid();  // a fork of it has no threads of the device
   std::shared_ptr<fascicle::pipeline::ChosenDevice> device;
   std::string text;
 };
@@ -58,6 +79,7 @@ struct fascicle_model {
 struct fascicle_solver {
   enum class Driven { no, by_clip, by_poses, by_drives };
 
+  pid_t process = getpid();  // a fork of it has no threads of the solver
   std::shared_ptr<const fascicle::api::Body> body;
   std::shared_ptr<fascicle::pipeline::ChosenDevice> device;  // outlives the solver
   std::unique_ptr<fascicle::model::Solver> solver;

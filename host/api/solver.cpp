@@ -1,6 +1,8 @@
 // Solvers of the C API.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "host/api/boundary.h"
@@ -188,6 +190,7 @@ fascicle_status fascicle_solver_create(const fascicle_model* model, const fascic
     made->body = model->body;
     made->options = api::with(model->body->options, taken);
     if (device != nullptr) {
+      api::must_be_usable(device, "device");
       made->device = device->device;
       made->solver = made->device->make_solver(made->body->model, made->options);
     } else {
@@ -201,13 +204,13 @@ fascicle_status fascicle_solver_create(const fascicle_model* model, const fascic
 }
 
 void fascicle_solver_destroy(fascicle_solver* solver) {
-  delete solver;
+  api::destroy_in_own_process(solver);
 }
 
 fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_progress_function* progress,
                                            void* user) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     drive::DriveSource& clip = api::clip_of(*solver);
     api::start(*solver, Driven::by_clip, [&] {
       std::uint64_t done = 0;
@@ -222,7 +225,7 @@ fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_pro
 
 fascicle_status fascicle_solver_step_clip(fascicle_solver* solver) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     if (solver->driven != Driven::by_clip)
       throw api::BadArgument("the solver does not follow its clip; call fascicle_solver_start_clip first");
     api::step(*solver, api::clip_of(*solver).drive(solver->frame + 1));
@@ -232,7 +235,7 @@ fascicle_status fascicle_solver_step_clip(fascicle_solver* solver) {
 
 fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double* joints, size_t count) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     drive::PoseDrive& poses = api::poses_of(*solver);
     const std::size_t joint_count = solver->body->model.joint_count;
     api::check_count(count, 16 * joint_count, "count");
@@ -244,7 +247,7 @@ fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double
 
 fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicle_pose* pose) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     drive::PoseDrive& poses = api::poses_of(*solver);
     if (solver->driven != Driven::by_poses)
       throw api::BadArgument("the solver does not follow poses; call fascicle_solver_start_pose first");
@@ -281,7 +284,7 @@ fascicle_status fascicle_solver_clip_pose(fascicle_solver* solver, uint64_t fram
 
 fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascicle_drive* drive) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     api::must_have(drive, "drive");
     const auto taken = api::taken(drive, fascicle_drive_init, "drive");
     const model::Model& model = solver->body->model;
@@ -313,6 +316,14 @@ fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascic
     made.colliders = colliders;
     made.decay = decay;
     if (!(made.h > 0.0 && std::isfinite(made.h))) throw api::BadArgument("drive.h must be above 0, s");
+    const auto are_finite = [](const auto& values) {
+      return std::all_of(std::begin(values), std::end(values), [](auto x) { return std::isfinite(x); });
+    };
+    if (!are_finite(taken.origin)) throw api::BadArgument("drive.origin is not finite");
+    if (!are_finite(taken.origin_shift)) throw api::BadArgument("drive.origin_shift is not finite");
+    if (!are_finite(taken.gravity)) throw api::BadArgument("drive.gravity is not finite");
+    if (!std::all_of(decay.begin(), decay.end(), [](float d) { return d >= 0.0f && d <= 1.0f; }))
+      throw api::BadArgument("drive.decay must be from 0 to 1");
     model::check_drive(model, made);
     api::step(*solver, made);
     solver->driven = Driven::by_drives;

@@ -1,7 +1,7 @@
 // fascicle_solver_save and fascicle_solver_load.
 //
-// Little-endian: char[8] "FASCSTEP", then Head, the last pose given (float64), then a checkpoint's bytes
-// (host/bake/checkpoint.h) with the model's identity.
+// Little-endian: char[8] "FASCSTP2", the hash of all that follows (32 hex digits), then Head, the last pose
+// given (float64), then a checkpoint's bytes (host/bake/checkpoint.h) with the model's identity.
 #include "host/api/solver_state.h"
 
 #include <bit>
@@ -11,6 +11,7 @@
 #include "host/api/boundary.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/identity.h"
+#include "host/base/content_hash.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
 
@@ -18,7 +19,9 @@ namespace fascicle::api {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-constexpr std::string_view magic = "FASCSTEP";
+constexpr std::string_view magic = "FASCSTP2";
+
+constexpr std::size_t hash_digits = 32;
 
 struct Head {
   std::uint64_t frame, driven, pose_numbers;
@@ -34,6 +37,12 @@ bake::Identity identity_of_steps(const fascicle_solver& solver) {
           {"viscosity", base::number_text(solver.options.viscosity)}};
 }
 
+std::string hash_of(std::string_view bytes) {
+  base::ContentHash hash;
+  hash.add(bytes);
+  return hash.text();
+}
+
 std::string saved_bytes(const fascicle_solver& solver) {
   std::string pose;
   if (solver.driven == fascicle_solver::Driven::by_poses && solver.poses)
@@ -41,9 +50,9 @@ std::string saved_bytes(const fascicle_solver& solver) {
       pose.append(reinterpret_cast<const char*>(joint.data()), 16 * sizeof(double));
   const Head head{solver.frame, static_cast<std::uint64_t>(solver.driven), pose.size() / sizeof(double),
                   solver.time};
-  std::string bytes(magic);
-  bytes.append(reinterpret_cast<const char*>(&head), sizeof head);
-  return bytes + pose + bake::checkpoint_text({identity_of_steps(solver), solver.solver->save()});
+  std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
+  bytes += pose + bake::checkpoint_text({identity_of_steps(solver), solver.solver->save()});
+  return std::string(magic) + hash_of(bytes) + bytes;
 }
 
 [[noreturn]] void refuse_state(const std::string& why) {
@@ -52,9 +61,11 @@ std::string saved_bytes(const fascicle_solver& solver) {
 
 void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   Head head{};
-  if (!bytes.starts_with(magic) || bytes.size() < magic.size() + sizeof head)
-    refuse_state("the bytes are not from fascicle_solver_save");
+  if (!bytes.starts_with(magic)) refuse_state("the bytes are not from fascicle_solver_save of this version");
   bytes.remove_prefix(magic.size());
+  const std::string_view hash = bytes.substr(0, hash_digits);
+  bytes.remove_prefix(hash.size());
+  if (hash != hash_of(bytes) || bytes.size() < sizeof head) refuse_state("the bytes are damaged or cut off");
   std::memcpy(&head, bytes.data(), sizeof head);
   bytes.remove_prefix(sizeof head);
   if (head.pose_numbers > bytes.size() / sizeof(double) || head.driven > 3)
@@ -94,7 +105,7 @@ using namespace fascicle;
 fascicle_status fascicle_solver_save(const fascicle_solver* solver, void* bytes, size_t capacity,
                                      size_t* size) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     api::must_have(size, "size");
     const std::string saved = api::saved_bytes(*solver);
     if (bytes != nullptr && capacity < saved.size())
@@ -107,7 +118,7 @@ fascicle_status fascicle_solver_save(const fascicle_solver* solver, void* bytes,
 
 fascicle_status fascicle_solver_load(fascicle_solver* solver, const void* bytes, size_t size) {
   return api::guarded([&] {
-    api::must_have(solver, "solver");
+    api::must_be_usable(solver, "solver");
     api::must_have(bytes, "bytes");
     api::load_bytes(*solver, {static_cast<const char*>(bytes), size});
   });

@@ -70,7 +70,7 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     else:
         scene = Scene(scene, **chosen, **tables)
     if isinstance(formats, str):
-        formats = formats.split(",")
+        formats = [name.strip() for name in formats.split(",")]
     return _run_bake(
         scene, _os.path.join("out", scene.name) if folder is None else folder, formats=list(formats), device=device,
         threads=threads, mesher=mesher, cache=cache, overwrite=overwrite, resume=resume, keep_frames=keep_frames,

@@ -135,7 +135,7 @@ class Model:
         mesher: _Path | None = None,
         cache: _Path | None = None,
         progress: _Progress | None = None,
-        log: _Log | None = None,
+        log: _Log | None = ...,
     ) -> None: ...
     @staticmethod
     def of_arrays(arrays: dict[str, npt.NDArray[Any] | list[str]]) -> Model: ...

@@ -65,4 +65,7 @@ def settings(set, tables):
         if not isinstance(table, Mapping):
             raise TypeError(f"unexpected argument {name!r}; tables of the scene file are given as mappings")
         texts += _flat(table, name)
+    for text in texts:
+        if isinstance(text, str) and "\0" in text:
+            raise ValueError(f"{text!r}: a setting cannot hold a NUL character")
     return texts

@@ -359,6 +359,7 @@ TEST(CApi, BadBakeOptionsAreRefused) {
   refused(FASCICLE_BAD_ARGUMENT, "formats is null", [](Options& o) { o.format_count = 1; });
   refused(FASCICLE_BAD_ARGUMENT, "exclude", [](Options& o) { o.overwrite = o.resume = 1; });
   refused(FASCICLE_BAD_ARGUMENT, "glb_stride", [](Options& o) { o.glb_stride = 0; });
+  refused(FASCICLE_BAD_ARGUMENT, "first_frame is -7", [](Options& o) { o.first_frame = -7; });
   refused(FASCICLE_BAD_ARGUMENT, "glb_error", [](Options& o) { o.glb_error = -1.0; });
   refused(FASCICLE_BAD_ARGUMENT, "\"gpu\"", [](Options& o) { o.device = "gpu"; });
   refused(FASCICLE_BAD_ARGUMENT, "options.threads is 1025", [](Options& o) { o.threads = 1025; });

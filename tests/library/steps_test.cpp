@@ -1,11 +1,16 @@
 // Level 2: a body stepped by its clip and by external poses.
 #include <algorithm>
+#include <cfenv>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "include/fascicle/fascicle.hpp"
 #include "tests/library/shell.h"
@@ -142,6 +147,12 @@ TEST(Steps, DamagedAndForeignStatesAreRefused) {
   // Truncated at many lengths, and with single bits flipped.
   for (std::size_t length = 1; length < good.size(); length += 1 + good.size() / 50)
     refused(solver, {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)}, "cut off");
+  // The head with its time, the pose and the checkpoint.
+  for (std::size_t k = 0; k < 512; k += 7) {
+    std::vector<std::byte> bytes = good;
+    bytes[k] ^= std::byte{0x01};
+    refused(solver, bytes, "a byte turned");
+  }
   for (const std::size_t k : {std::size_t{0}, std::size_t{16}, std::size_t{24}, good.size() - 1}) {
     std::vector<std::byte> bytes = good;
     bytes[k] ^= std::byte{0x40};
@@ -179,6 +190,102 @@ TEST(Steps, WrongSizesAndOrdersAreRefused) {
   std::size_t size = 0;
   char byte = 0;
   refused([&] { fascicle::check(fascicle_solver_save(solver.get(), &byte, 1, &size)); }, "capacity is 1");
+}
+
+TEST(Steps, DrivesThatAreNotFiniteAreRefused) {
+  const fascicle::model bar(fascicle::scene::parse(small_bar), {.cache = ""});
+  fascicle::solver solver(bar, fascicle::device("cpu"));
+  const float decay = 1.0F;
+  const auto refused = [&](const char* part, auto change) {
+    fascicle_drive drive = fascicle_drive_default();
+    drive.h = 0.01;
+    drive.decay = &decay;
+    drive.decay_count = 1;
+    change(drive);
+    EXPECT_EQ(fascicle_solver_step_drive(solver.get(), &drive), FASCICLE_BAD_ARGUMENT) << part;
+    EXPECT_NE(std::string(fascicle_last_message()).find(part), std::string::npos) << fascicle_last_message();
+  };
+  using Drive = fascicle_drive;
+  refused("drive.origin is not finite", [](Drive& d) { d.origin[1] = std::nan(""); });
+  refused("drive.origin_shift is not finite", [](Drive& d) { d.origin_shift[0] = INFINITY; });
+  refused("drive.gravity is not finite", [](Drive& d) { d.gravity[2] = std::nanf(""); });
+  const float wrong = -1.0F;
+  refused("drive.decay", [&](Drive& d) { d.decay = &wrong; });
+  fascicle_drive drive = fascicle_drive_default();
+  drive.h = 0.01;
+  drive.decay = &decay;
+  drive.decay_count = 1;
+  EXPECT_EQ(fascicle_solver_step_drive(solver.get(), &drive), FASCICLE_OK) << fascicle_last_message();
+}
+
+// Rounding and traps belong to the caller: another program may have changed both.
+TEST(Steps, TheCallersRoundingChangesNoBit) {
+  const auto hash = [] {
+    const fascicle::model bar(fascicle::scene::parse(small_bar), {.cache = ""});
+    fascicle::solver solver(bar, fascicle::device("cpu", 2));
+    solver.start_clip();
+    for (int k = 0; k < 6; ++k) solver.step_clip();
+    return solver.position_hash();
+  };
+  const std::string expected = hash();
+  std::fenv_t before;
+  std::fegetenv(&before);
+  for (const int rounding : {FE_UPWARD, FE_TOWARDZERO}) {
+    std::fesetround(rounding);
+    const std::string found = hash();
+    EXPECT_EQ(std::fegetround(), rounding) << "the caller's";
+    std::fesetenv(&before);
+    EXPECT_EQ(found, expected);
+  }
+  feenableexcept(FE_DIVBYZERO | FE_INVALID);
+  const std::string found = hash();
+  const int enabled = fegetexcept();
+  std::fesetenv(&before);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(enabled, FE_DIVBYZERO | FE_INVALID);
+}
+
+// A fork has no threads but its own. Waiting for the solver's would never end.
+TEST(Steps, AForkLeavesItsParentsSolversAlone) {
+  fascicle_scene* scene = nullptr;
+  fascicle_model* model = nullptr;
+  fascicle_device* device = nullptr;
+  fascicle_solver* solver = nullptr;
+  ASSERT_EQ(fascicle_scene_parse(small_bar, "", nullptr, &scene), FASCICLE_OK);
+  ASSERT_EQ(fascicle_model_build(scene, nullptr, &model), FASCICLE_OK);
+  fascicle_device_options threads = fascicle_device_options_default();
+  threads.threads = 3;
+  ASSERT_EQ(fascicle_device_open("cpu", &threads, &device), FASCICLE_OK);
+  ASSERT_EQ(fascicle_solver_create(model, device, nullptr, &solver), FASCICLE_OK);
+  ASSERT_EQ(fascicle_solver_start_clip(solver, nullptr, nullptr), FASCICLE_OK);
+  ASSERT_EQ(fascicle_solver_step_clip(solver), FASCICLE_OK);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // until the pool's threads sleep
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(30);
+    const bool is_refused = fascicle_solver_step_clip(solver) == FASCICLE_BAD_ARGUMENT &&
+                            std::strstr(fascicle_last_message(), "of which this is a fork") != nullptr;
+    fascicle_solver* other = nullptr;
+    const bool device_is = fascicle_solver_create(model, device, nullptr, &other) == FASCICLE_BAD_ARGUMENT;
+    fascicle_solver_destroy(solver);
+    fascicle_device_destroy(device);
+    fascicle_device* own = nullptr;
+    const bool works = fascicle_device_open("cpu", &threads, &own) == FASCICLE_OK &&
+                       fascicle_solver_create(model, own, nullptr, &other) == FASCICLE_OK &&
+                       fascicle_solver_start_clip(other, nullptr, nullptr) == FASCICLE_OK &&
+                       fascicle_solver_step_clip(other) == FASCICLE_OK;
+    fascicle_solver_destroy(other);
+    fascicle_device_destroy(own);
+    _exit(is_refused && device_is && works ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0) << "the child was refused, destroyed both and made its own";
+  EXPECT_EQ(fascicle_solver_step_clip(solver), FASCICLE_OK) << "the parent goes on";
+  fascicle_solver_destroy(solver);
+  fascicle_device_destroy(device);
+  fascicle_model_destroy(model);
+  fascicle_scene_destroy(scene);
 }
 
 TEST(Steps, ALeadInIsCancelled) {

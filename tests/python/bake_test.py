@@ -70,6 +70,23 @@ class Bake(InFolder):
         with self.assertRaisesRegex(TypeError, "formts"):
             fascicle.bake("bar-layers-i", self.path("b"), formts=["pc2"])
 
+    def test_names_that_are_not_utf_8_are_told(self):
+        strange = os.fsdecode(b"b\xff")
+        with self.assertRaisesRegex(fascicle.BadInput, "does not exist"):
+            fascicle.Scene(self.path(strange, "a.glb"))
+        os.mkdir(self.path(strange))
+        scene = fascicle.Scene.parse(SMALL_BAR)
+        result = fascicle.bake(scene, self.path(strange, "out"), device="cpu", cache="", formats="pc2, mdd")
+        self.assertEqual(result.folder, self.path(strange, "out"))
+        self.assertTrue(all(os.path.exists(os.path.join(result.folder, file)) for file in result.files))
+        self.assertIn("6 frames", repr(result))
+        with self.assertRaisesRegex(fascicle.BadArgument, "out"):
+            fascicle.bake(scene, self.path(strange, "out"), device="cpu", cache="")
+
+    def test_settings_hold_no_nul(self):
+        with self.assertRaisesRegex(ValueError, "NUL"):
+            fascicle.Scene.parse(SMALL_BAR, set=["layers.flesh.alpha=0.2\0junk"])
+
     def test_every_kind_of_error_has_its_status(self):
         from fascicle._errors import error_of
         for status, kind in [(1, fascicle.Failed), (2, fascicle.BadArgument), (3, fascicle.BadInput),

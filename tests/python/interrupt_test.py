@@ -20,6 +20,62 @@ fascicle.bake("bar-layers-i", sys.argv[1], device="cpu", threads=1, cache="", pr
 """
 
 
+# A daemon thread is at work when the program ends: in a bake that tells its progress, in one that tells nothing, in a
+# solver, and in a callback that takes its time.
+DAEMON = """
+import sys, threading, time, fascicle
+way, folder = sys.argv[1:]
+at_work = threading.Event()
+def told(phase, done, total):
+    if phase == "frames":
+        at_work.set()
+        time.sleep(0.2 if way == "slow" else 0.0)
+def work():
+    if way == "solver":
+        model = fascicle.Model(fascicle.Scene("bar-layers-i", end=100), cache="")
+        solver = fascicle.Solver(model, fascicle.Device("cpu", 1))
+        solver.start_clip()
+        at_work.set()
+        while True:
+            solver.step_clip()
+    fascicle.bake("bar-layers-i", folder, device="cpu", threads=1, cache="", end=1000,
+                  progress=None if way == "silent" else told)
+threading.Thread(target=work, daemon=True).start()
+if way == "silent":
+    time.sleep(1)
+else:
+    at_work.wait(60)
+"""
+
+
+class End(InFolder):
+    def test_of_the_interpreter_ends_threads_at_work(self):
+        for way in ("told", "silent", "solver", "slow"):
+            ran = subprocess.run([sys.executable, "-c", DAEMON, way, self.path(way)], capture_output=True, text=True,
+                                 timeout=60)
+            self.assertEqual((ran.returncode, ran.stderr), (0, ""), way)
+
+    def test_of_a_forked_worker_leaves_its_parents_solver_alone(self):
+        program = """
+import os, sys, time, fascicle
+solver = fascicle.Solver(fascicle.Model(fascicle.Scene("bar-layers-i", end=1), cache=""), fascicle.Device("cpu", 3))
+solver.start_clip()
+solver.step_clip()
+time.sleep(0.1)  # until the solver's threads sleep
+child = os.fork()
+if child == 0:
+    try:
+        solver.step_clip()
+    except fascicle.BadArgument as error:
+        assert "of which this is a fork" in str(error)
+        sys.exit(7)  # ends the interpreter, which destroys the solver
+    sys.exit(1)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+        ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+        self.assertEqual((ran.returncode, ran.stderr), (7, ""))
+
+
 class Interrupt(InFolder):
     def test_ends_a_bake(self):
         bake = subprocess.Popen([sys.executable, "-c", PROGRAM, self.path("a")], stdout=subprocess.PIPE,

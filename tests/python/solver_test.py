@@ -1,5 +1,6 @@
 """Models and solvers from numpy: the same bits as the C++ wrapper, and no copies where none are promised."""
 
+import logging
 import os
 import subprocess
 import threading
@@ -97,6 +98,13 @@ class SmallSolver(InFolder):
         with self.assertRaises(fascicle.Cancelled):
             solver.start_clip(lambda *_: False)
 
+    def test_a_build_says_what_it_finds_by_logging(self):
+        with self.assertLogs("fascicle", logging.DEBUG) as said:
+            fascicle.Model(self.scene, cache="")
+        self.assertTrue(said.output)
+        with self.assertNoLogs("fascicle", logging.DEBUG):
+            fascicle.Model(self.scene, cache="", log=None)
+
     def test_a_build_is_cancelled(self):
         with self.assertRaises(fascicle.Cancelled):
             fascicle.Model(self.scene, cache="", progress=lambda *_: False)
@@ -150,6 +158,14 @@ class FlatArrays(InFolder):
             fascicle.Model.of_arrays({**arrays, "mass": arrays["mass"][1:]})
         with self.assertRaisesRegex(TypeError, "mass"):
             fascicle.Model.of_arrays({**arrays, "mass": arrays["mass"].astype(np.int16)})
+
+    def test_arrays_of_the_other_byte_order_are_converted(self):
+        arrays = fascicle.Model(fascicle.Scene.parse(SMALL_BAR), cache="").arrays
+        others = {name: arrays[name].astype(arrays[name].dtype.newbyteorder()) for name in ("mass", "rest")}
+        swapped = {**arrays, **others}
+        self.assertFalse(swapped["rest"].dtype.isnative)
+        for name, array in fascicle.Model.of_arrays(swapped).arrays.items():
+            np.testing.assert_array_equal(array, arrays[name], err_msg=name)
 
     def test_the_arrays_outlive_the_name_of_their_model(self):
         mass = fascicle.Model(fascicle.Scene.parse(SMALL_BAR), cache="").arrays["mass"]
