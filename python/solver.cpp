@@ -205,7 +205,8 @@ void add_views(py::class_<Solver, Handle>& type) {
       .def_property_readonly(
           "surface", &view<&fascicle_frame::surface, &fascicle_frame::surface_vertex_count>,
           "float32, (surface vertices, 3), read-only, no copy: working units about `origin`, "
-          "in the file's vertex order; (0, 3) without a surface.")
+          "in the file's vertex order; (0, 3) without a surface. Its triangles are the model's array "
+          "surface_triangle.")
       .def("world_positions", &world<fascicle_solver_positions, &fascicle_frame::vertex_count>,
            "out"_a = py::none(),
            "float32, (vertices, 3): metres in the world. Fills and returns `out` if it is given.")
@@ -263,6 +264,9 @@ void add_solver(py::module_& module) {
             return self.solver.position_hash();
           },
           "16 hex digits, as the program prints it: equal hashes, equal bits.")
+      .def_property_readonly(
+          "device", [](Solver& self) { return text_object(self.solver.device_text()); },
+          "The device that it runs on, in one line for people, with the reason if \"auto\" chose it.")
       .def("save", &save_state, "The complete state as bytes.")
       .def("load", &load_state, "state"_a,
            "Continues from saved bytes with the same bits, in a solver of the same model, on any exact "

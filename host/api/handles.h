@@ -82,6 +82,7 @@ struct fascicle_solver {
   pid_t process = getpid();  // a fork of it has no threads of the solver
   std::shared_ptr<const fascicle::api::Body> body;
   std::shared_ptr<fascicle::pipeline::ChosenDevice> device;  // outlives the solver
+  std::string device_text;
   std::unique_ptr<fascicle::model::Solver> solver;
   fascicle::model::SolverOptions options;
   std::optional<fascicle::drive::DriveSource> clip;

@@ -198,6 +198,7 @@ fascicle_status fascicle_solver_create(const fascicle_model* model, const fascic
       made->device = std::make_shared<pipeline::ChosenDevice>(std::move(chosen.device));
       made->solver = std::move(chosen.solver);
     }
+    made->device_text = made->device->text();
     api::stand_at_rest(*made);
     return made;
   });
@@ -205,6 +206,10 @@ fascicle_status fascicle_solver_create(const fascicle_model* model, const fascic
 
 void fascicle_solver_destroy(fascicle_solver* solver) {
   api::destroy_in_own_process(solver);
+}
+
+const char* fascicle_solver_device_text(const fascicle_solver* solver) {
+  return solver == nullptr ? nullptr : solver->device_text.c_str();
 }
 
 fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_progress_function* progress,

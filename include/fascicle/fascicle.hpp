@@ -303,7 +303,7 @@ struct solver_options {
 
 class solver {
  public:
-  // On the device that "auto" selects.
+  // On the device that "auto" selects: device_text() says which.
   explicit solver(const model& model, const solver_options& options = {}) { make(model, nullptr, options); }
   solver(const model& model, const device& device, const solver_options& options = {}) {
     make(model, device.get(), options);
@@ -368,6 +368,8 @@ class solver {
     check(fascicle_solver_position_hash(get(), text));
     return text;
   }
+
+  std::string device_text() const { return fascicle_solver_device_text(get()); }
 
   std::vector<std::byte> save() const {
     std::size_t size = 0;

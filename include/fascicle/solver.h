@@ -101,6 +101,9 @@ FASCICLE_API fascicle_status fascicle_solver_create(const fascicle_model* model,
                                                     const fascicle_solver_options* options,
                                                     fascicle_solver** solver);
 FASCICLE_API void fascicle_solver_destroy(fascicle_solver* solver);
+/* The device that it runs on, in one line for people, with the reason if "auto" chose it; NULL for a null
+ * solver. */
+FASCICLE_API const char* fascicle_solver_device_text(const fascicle_solver* solver);
 
 /* The state of a solver after a failure: FASCICLE_BAD_ARGUMENT and FASCICLE_BAD_INPUT leave it as it was. A
  * start that is cancelled or fails in another way leaves it at rest, at frame 0, following neither a clip nor
@@ -185,7 +188,9 @@ typedef struct fascicle_frame {
   size_t vertex_count, surface_vertex_count;
   const float* positions;  /* 3 per vertex of the model, working units */
   const float* velocities; /* 3 per vertex, working units / s */
-  const float* surface;    /* 3 per vertex of the surface, in the file's order; NULL without one */
+  /* 3 per vertex of the surface, in the file's order; NULL without one. Its triangles are the model's array
+   * "surface_triangle", 3 indices each. */
+  const float* surface;
 } fascicle_frame;
 
 FASCICLE_API fascicle_status fascicle_solver_frame(const fascicle_solver* solver, fascicle_frame* frame);

@@ -110,6 +110,7 @@ TEST(CApi, NullIsRefusedAndDestroyed) {
   EXPECT_EQ(fascicle_model_vertex_count(nullptr), 0u);
   EXPECT_EQ(fascicle_model_substeps(nullptr), 0u);
   EXPECT_EQ(fascicle_device_text(nullptr), nullptr);
+  EXPECT_EQ(fascicle_solver_device_text(nullptr), nullptr);
   EXPECT_EQ(fascicle_device_is_exact(nullptr), 0);
   EXPECT_EQ(fascicle_bake_file(nullptr, 0), nullptr);
   EXPECT_TRUE(std::isnan(fascicle_bake_look(nullptr)));

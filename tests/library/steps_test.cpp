@@ -42,6 +42,8 @@ TEST(Steps, ByTheClipTheyAreTheBakes) {
   const fascicle::bake_result bake =
       fascicle::bake(arm(), {.folder = folder / "out", .device = "cpu", .cache = ""});
   fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  EXPECT_EQ(solver.device_text(), fascicle::device("cpu").text());
+  EXPECT_FALSE(fascicle::solver(arm_model()).device_text().empty()) << "which device \"auto\" chose";
   solver.start_clip();
   EXPECT_EQ(solver.frame().index, 0u);
   for (std::uint64_t frame = 1; frame <= arm().frame_count(); ++frame) solver.step_clip();

@@ -26,6 +26,7 @@ class SmallSolver(InFolder):
         bake = fascicle.bake(self.scene, self.path("a"), device="cpu", cache="")
         self.assertEqual(self.solver.position_hash, bake.position_hash)
         self.assertEqual(self.solver.frame, 6)
+        self.assertEqual(self.solver.device, fascicle.Device("cpu").text)
 
     def test_arrays_are_the_solvers_memory(self):
         self.solver.start_clip()
