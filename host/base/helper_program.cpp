@@ -4,12 +4,14 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <system_error>
+#include <stdexcept>
 
 #include <dlfcn.h>
 #include <link.h>
 #include <stdlib.h>
 #include <unistd.h>
+
+#include "host/base/errors.h"
 
 namespace fascicle::base {
 namespace {
@@ -31,6 +33,13 @@ void remove_abandoned_folders() {
 }
 
 }  // namespace
+
+void fail_to_run(const std::string& name, const std::system_error& error) {
+  const std::string what = "cannot run " + name + ": " + error.what();
+  if (error.code() == std::errc::executable_format_error) throw SceneError(what);
+  throw std::runtime_error(
+      what + "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+}
 
 TemporaryFolder::TemporaryFolder() {
   remove_abandoned_folders();

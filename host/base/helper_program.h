@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "host/base/process.h"
 
@@ -30,6 +31,11 @@ std::filesystem::path own_folder();
 // Looks for the program beside that file, then in the folder `bin` beside the file's folder or one level up
 // (where an installed library finds it), then on PATH. Empty if there is none.
 std::filesystem::path find_helper(const std::string& name);
+
+// For a helper that could not be started, or whose temporary files could not be written: throws
+// std::runtime_error, because the machine is to blame and not the input, or SceneError if the file given as
+// the helper is no program.
+[[noreturn]] void fail_to_run(const std::string& name, const std::system_error& error);
 
 // The last line that the helper wrote, without the helper's name, for a one-line message; may be empty.
 std::string last_line(const ProcessResult& result, const std::string& name);

@@ -240,8 +240,7 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
     check_result(mesh, surface);
     return mesh;
   } catch (const std::system_error& error) {
-    throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
-                     "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+    base::fail_to_run(mesher_name, error);
   }
 }
 

@@ -119,8 +119,7 @@ auto with_system_errors(Call call) {
   try {
     return call();
   } catch (const std::system_error& error) {
-    throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
-                     "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+    base::fail_to_run(mesher_name, error);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "host/bake/folder.h"
@@ -27,8 +28,8 @@ namespace fs = std::filesystem;
 
 struct BatchArguments {
   std::string jobs;
-  ManyBakes many;      // everything except the jobs
-  std::string chosen;  // the jobs for this process, if not all
+  ManyBakes many;                     // everything except the jobs
+  std::optional<std::string> chosen;  // the jobs for this process, if not all
   std::string output;  // with `emit`, the file or folder to write; otherwise the folder of the bakes
   std::string emit;    // slurm, openjd or empty
   std::string slurm_options;
@@ -91,8 +92,9 @@ ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   many.devices = with_all_devices(many.devices, devices_for(many.devices));
   (void)parse_device_list(many.devices);  // rejects "auto"
   many.output = arguments.output.empty() ? jobs.output : fs::path(arguments.output);
-  many.is_part = !arguments.chosen.empty();
-  if (many.is_part) jobs.jobs = chosen_jobs(jobs.jobs, arguments.chosen);
+  // An empty list must not count as all jobs: a farm's task would then bake everything.
+  many.is_part = arguments.chosen.has_value();
+  if (many.is_part) jobs.jobs = chosen_jobs(jobs.jobs, *arguments.chosen);
   for (const scene::Job& job : jobs.jobs) {
     check(job);
     many.bakes.push_back(bake_of(job));

@@ -38,6 +38,8 @@ void unblock() {
 }  // namespace
 
 void catch_interrupts() {
+  // A parent that ignores the ends of its children passes that on; the ends of ours would then never be seen.
+  ::signal(SIGCHLD, SIG_DFL);
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigemptyset(&action.sa_mask);

@@ -441,13 +441,19 @@ class Batch {
     if (!asked_.is_part) std::cout << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
   }
 
-  // The status of the first failure, since the others may follow from it.
+  // If nothing is left to do, the status of the first failure, since the others may follow from it. An
+  // interrupted batch with work left says so even after a failure: a farm then goes on with it.
   ExitCode code(bool interrupted) const {
-    for (const Outcome& outcome : outcomes_)
-      if (word_of(outcome) == "failed") return code_of_failure(*outcome.status);
-    const bool are_done = std::all_of(outcomes_.begin(), outcomes_.end(),
-                                      [](const Outcome& outcome) { return word_of(outcome) == "done"; });
-    if (!interrupted && are_done) return ExitCode::done;
+    const auto has = [&](const char* word) {
+      return [this, word](const Outcome& outcome) { return word_of(outcome) == word; };
+    };
+    const auto failure = std::find_if(outcomes_.begin(), outcomes_.end(), has("failed"));
+    const bool is_work_left = std::any_of(outcomes_.begin(), outcomes_.end(), [&](const Outcome& outcome) {
+      return !has("failed")(outcome) && !has("done")(outcome);
+    });
+    if (failure != outcomes_.end() && !(interrupted && is_work_left))
+      return code_of_failure(*failure->status);
+    if (!interrupted && !is_work_left) return ExitCode::done;
     log_.warning(asked_.overwrite
                      ? "interrupted; the same command with --resume (and without --overwrite) continues; "
                        "with --overwrite it starts again"

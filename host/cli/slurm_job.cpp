@@ -48,6 +48,10 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
   text +=
       "task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
       "jobs=$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" \"$folder/tasks\")\n"
+      "if [ -z \"$jobs\" ]; then\n"
+      "  echo \"$folder/tasks has no line $SLURM_ARRAY_TASK_ID: the batch was emitted anew\" >&2\n"
+      "  exit 1\n"
+      "fi\n"
       "\n"
       "\"$fascicle\" batch \"$list\" --job \"$jobs\" --output \"$output\" --device " +
       shell_word(batch.device) + " --threads " + std::to_string(batch.threads) +
@@ -109,9 +113,11 @@ std::string submit_text(const fs::path& folder) {
          "array.sbatch)\n"
          "array=${array%%;*}\n"
          "echo \"array $array\" > submitted\n"
+         "# Without its merge the bakes would be submitted twice: the user is told to try again.\n"
          "merge=$(sbatch --parsable " +
          log_option(folder, "merge.txt") +
-         "--dependency=\"afterany:$array\" merge.sbatch)\n"
+         "--dependency=\"afterany:$array\" merge.sbatch) ||\n"
+         "  { scancel \"$array\"; rm -f submitted; exit 1; }\n"
          "merge=${merge%%;*}\n"
          "echo \"merge $merge\" >> submitted\n"
          "echo \"submitted to Slurm: array $array, merge $merge\"\n";

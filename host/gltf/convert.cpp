@@ -1,6 +1,7 @@
 #include "host/gltf/convert.h"
 
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "host/base/errors.h"
@@ -66,8 +67,9 @@ std::string conversion_by_hand(const std::filesystem::path& path) {
 }
 
 void fail_to_convert(const std::filesystem::path& input, const std::string& what) {
-  throw base::SceneError(input.string() + ": cannot run " + converter_name + ": " + what +
-                         "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+  throw std::runtime_error(
+      input.string() + ": cannot run " + converter_name + ": " + what +
+      "; check the free space and permissions of the folder for temporary files (TMPDIR)");
 }
 
 void convert_character(const std::filesystem::path& input, const std::filesystem::path& output,

@@ -15,7 +15,7 @@ bool can_convert();  // whether fascicle-convert is beside this program or on PA
 // A sentence on how to convert a character by hand, for formats that are not read or failed to convert.
 std::string conversion_by_hand(const std::filesystem::path& path);
 
-// Throws SceneError that blames the machine, not the file.
+// Throws std::runtime_error: the machine is to blame, not the file.
 [[noreturn]] void fail_to_convert(const std::filesystem::path& input, const std::string& what);
 
 struct Converter {
@@ -24,7 +24,8 @@ struct Converter {
   base::ProcessLimits limits = {.seconds = 120.0, .bytes = std::uint64_t{4} << 30};
 };
 
-// Converts `input` to GLB. Throws SceneError; a malicious file cannot bring down this process.
+// Converts `input` to GLB. Throws SceneError, or as fail_to_convert; a malicious file cannot bring down this
+// process.
 void convert_character(const std::filesystem::path& input, const std::filesystem::path& output,
                        const Converter& converter = {});
 

@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -268,6 +269,25 @@ TEST_F(Tetrahedralize, SaysWhenTheMesherIsMissing) {
   std::ofstream(options_.mesher) << "neither ELF nor script";
   fs::permissions(options_.mesher, fs::perms::owner_all);
   EXPECT_REFUSED(refusal(unit_cube), "cannot run fascicle-mesher");
+}
+
+// A full or missing folder for temporary files is the machine's fault: a farm tries the job on another.
+TEST_F(Tetrahedralize, BlamesTheMachineForItsTemporaryFolder) {
+  const std::string before = std::getenv("TMPDIR") == nullptr ? "" : std::getenv("TMPDIR");
+  ::setenv("TMPDIR", (folder_ / "missing").c_str(), 1);
+  std::string said = "nothing";
+  try {
+    build::tetrahedralize(unit_cube, 0.0, {}, options_);
+  } catch (const base::SceneError& error) {
+    ADD_FAILURE() << "blamed the input: " << error.what();
+  } catch (const std::runtime_error& error) {
+    said = error.what();
+  }
+  if (before.empty())
+    ::unsetenv("TMPDIR");
+  else
+    ::setenv("TMPDIR", before.c_str(), 1);
+  EXPECT_NE(said.find("(TMPDIR)"), std::string::npos) << said;
 }
 
 TEST_F(Tetrahedralize, SurvivesMeshersThatEndBadly) {

@@ -19,6 +19,12 @@ const std::string three_bars =
     "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=1.5\"]\n"
     "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.6, 0.8]\n";
 
+// Too light for the force on it: it becomes non-finite in its first frame.
+const std::string too_light =
+    "[bar]\nsize = [4e-9, 1e-9, 1e-9]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 0.001\n"
+    "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
+    "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n";
+
 std::string list_in(const TemporaryFolder& folder, const std::string& text) {
   write_text(folder / "jobs.toml", "output = \"" + (folder / "out") + "\"\n" + text);
   return folder / "jobs.toml";
@@ -97,11 +103,7 @@ TEST(Batch, KilledIsResumedAtOnce) {
 
 TEST(Batch, OneFailureDoesNotEndTheOthers) {
   const TemporaryFolder folder;
-  // Too light for the force on it: it becomes non-finite in its first frame.
-  write_text(folder / "light.toml",
-             "[bar]\nsize = [4e-9, 1e-9, 1e-9]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 0.001\n"
-             "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
-             "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n");
+  write_text(folder / "light.toml", too_light);
   const std::string list = list_in(folder,
                                    "[job.light]\nscene = \"light.toml\"\n"
                                    "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.2\"]\n");
@@ -111,6 +113,36 @@ TEST(Batch, OneFailureDoesNotEndTheOthers) {
   EXPECT_EQ(summary_of(folder).at(0).at("status"), "failed");
   EXPECT_EQ(summary_of(folder).at(0).at("exit_status"), 5);
   EXPECT_EQ(summary_of(folder).at(1).at("status"), "done");
+}
+
+// A farm goes on with a batch that says it was interrupted, and with no other.
+TEST(Batch, InterruptedAfterAFailureIsInterrupted) {
+  const TemporaryFolder folder;
+  write_text(folder / "light.toml", too_light);
+  const std::string list = list_in(folder,
+                                   "[job.light]\nscene = \"light.toml\"\n"
+                                   "[job.long]\nscene = \"bar-beta-1\"\nset = [\"scene.end=600\"]\n"
+                                   "[job.later]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.1\"]\n");
+  Program program({"batch", list, "--device", "cpu", "--at-once", "1"});
+  wait_for_file(program, folder.path() / "out/long/checkpoint");
+  program.send(SIGTERM);
+  const Outcome stopped = program.wait();
+  EXPECT_EQ(stopped.status, 75) << stopped.err;
+  EXPECT_EQ(summary_of(folder).at(0).at("status"), "failed");
+  EXPECT_EQ(summary_of(folder).at(1).at("status"), "interrupted");
+}
+
+// Programs that ignore the ends of their children pass that on.
+TEST(Batch, SeesTheEndsOfItsBakesUnderAnyParent) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder, "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.1\"]\n");
+  struct sigaction before {};
+  ::sigaction(SIGCHLD, nullptr, &before);
+  ::signal(SIGCHLD, SIG_IGN);
+  Program program({"batch", list, "--device", "cpu"});
+  ::sigaction(SIGCHLD, &before, nullptr);
+  EXPECT_EQ(program.wait().status, 0);
+  EXPECT_EQ(summary_of(folder).at(0).at("status"), "done");
 }
 
 // The last foreign line has no newline, so the first line of the bake's own log follows it directly.

@@ -111,6 +111,19 @@ int run_task(const Farm& farm, const std::string& state, const std::string& arou
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+// A list that was emitted anew may have fewer tasks than an array that is still queued.
+TEST(BatchFarm, ATaskWithoutJobsBakesNothing) {
+  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.1\"]\n");
+  ASSERT_EQ(emit(farm, {"--threads", "1"}).status, 0);
+  write_text(farm.job() + "/tasks", "");
+  EXPECT_EQ(run_task(farm, "RUNNING", ""), 1) << read_text(farm.home / "log");
+  EXPECT_TRUE(contains(read_text(farm.home / "log"), "emitted anew")) << read_text(farm.home / "log");
+  EXPECT_FALSE(fs::exists(farm.output() + "/bar"));
+  const Outcome empty = fascicle({"batch", farm.list(), "--job", ""});
+  EXPECT_EQ(empty.status, 2);
+  EXPECT_TRUE(contains(empty.err, "--job: no job given")) << empty.err;
+}
+
 // Slurm's warning goes only to the script's shell, which waits for the bake to end and requeues the task by
 // its array name, as its own number may be that of the whole array.
 TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
@@ -244,6 +257,21 @@ TEST(BatchFarm, RefusesWhatItCannotHandOver) {
       fascicle({"batch", farm.list(), "--emit", "slurm", "-o", farm.job(), "--submit"}, {"PATH=/nowhere"});
   EXPECT_EQ(no_slurm.status, 1);
   EXPECT_TRUE(contains(no_slurm.err, "sbatch")) << no_slurm.err;
+  // If Slurm takes the bakes and not the merge, the bakes are cancelled: a second try would bake everything
+  // twice.
+  const fs::path programs = farm.folder.path() / "slurm";  // dash reads a % in PATH as an option
+  fs::create_directories(programs);
+  write_text(programs / "sbatch",
+             "#!/bin/sh\ncase \"$*\" in *merge.sbatch) echo no >&2; exit 1;; esac\necho 7\n");
+  write_text(programs / "scancel",
+             "#!/bin/sh\necho \"$@\" >> " + quoted((farm.home / "asked").string()) + "\n");
+  for (const char* name : {"sbatch", "scancel"})
+    fs::permissions(programs / name, fs::perms::owner_all, fs::perm_options::add);
+  const Outcome half = fascicle({"batch", farm.list(), "--emit", "slurm", "-o", farm.job(), "--submit"},
+                                {"PATH=" + programs.string() + ":/usr/bin:/bin"});
+  EXPECT_EQ(half.status, 1) << half.err;
+  EXPECT_EQ(read_text(farm.home / "asked"), "7\n") << half.err;
+  EXPECT_FALSE(fs::exists(farm.job() + "/submitted"));
   write_text(farm.job() + "/submitted", "array 7\nmerge 8\n");
   EXPECT_EQ(emit(farm).status, 2);
   EXPECT_EQ(emit(farm, {"--resume"}).status, 0);

@@ -1,9 +1,11 @@
 #include "tests/cli/program.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -36,13 +38,19 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  // Added entries come first, as getenv returns the first match.
   std::vector<std::string> added = environment;
   // Tests neither read nor write the user's cache.
   added.push_back("FASCICLE_CACHE_DIR=" + (folder_ / "cache"));
   std::vector<char*> envp;
   for (std::string& entry : added) envp.push_back(entry.data());
-  for (char** entry = environ; *entry != nullptr; ++entry) envp.push_back(*entry);
+  // Of two entries of one name, getenv returns the first and a shell takes the last.
+  const auto is_added = [&](std::string_view entry) {
+    return std::any_of(added.begin(), added.end(), [&](const std::string& other) {
+      return entry.starts_with(std::string_view(other).substr(0, other.find('=') + 1));
+    });
+  };
+  for (char** entry = environ; *entry != nullptr; ++entry)
+    if (!is_added(*entry)) envp.push_back(*entry);
   envp.push_back(nullptr);
 
   posix_spawn_file_actions_t files;
