@@ -444,12 +444,10 @@ class Batch {
   // If nothing is left to do, the status of the first failure, since the others may follow from it. An
   // interrupted batch with work left says so even after a failure: a farm then goes on with it.
   ExitCode code(bool interrupted) const {
-    const auto has = [&](const char* word) {
-      return [this, word](const Outcome& outcome) { return word_of(outcome) == word; };
-    };
-    const auto failure = std::find_if(outcomes_.begin(), outcomes_.end(), has("failed"));
-    const bool is_work_left = std::any_of(outcomes_.begin(), outcomes_.end(), [&](const Outcome& outcome) {
-      return !has("failed")(outcome) && !has("done")(outcome);
+    const auto failure = std::find_if(outcomes_.begin(), outcomes_.end(),
+                                      [](const Outcome& outcome) { return word_of(outcome) == "failed"; });
+    const bool is_work_left = std::any_of(outcomes_.begin(), outcomes_.end(), [](const Outcome& outcome) {
+      return word_of(outcome) != "failed" && word_of(outcome) != "done";
     });
     if (failure != outcomes_.end() && !(interrupted && is_work_left))
       return code_of_failure(*failure->status);
