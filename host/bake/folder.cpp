@@ -76,6 +76,20 @@ void remove_file(const fs::path& path) {
   fs::remove(path);
 }
 
+enum class Locking { held, held_by_another, impossible };
+
+Locking lock(const base::Descriptor& descriptor) {
+  if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) == 0) return Locking::held;
+  return errno == EWOULDBLOCK ? Locking::held_by_another : Locking::impossible;
+}
+
+bool is_at(const base::Descriptor& descriptor, const fs::path& path) {
+  struct stat open {
+  }, there{};
+  return ::fstat(descriptor.get(), &open) == 0 && ::lstat(path.c_str(), &there) == 0 &&
+         open.st_dev == there.st_dev && open.st_ino == there.st_ino;
+}
+
 constexpr const char* stage_name = "export.part";
 // In a stage, so that no other folder of that name is mistaken for one.
 constexpr const char* stage_mark = ".fascicle-export";
@@ -93,24 +107,44 @@ void remove_stage(const fs::path& folder) {
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder)
-    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  if (descriptor_.get() < 0)
+    : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)), path_(folder / lock_name) {
+  if (folder_.get() < 0)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
-  // File systems without locks fail with another error; the folder is then used unlocked.
-  if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw FolderInUse(folder.string() +
-                      ": another fascicle is writing there; wait for it or choose another -o");
+  const auto in_use = [&] {
+    return FolderInUse(folder.string() +
+                       ": another fascicle is writing there; wait for it or choose another -o");
+  };
+  const Locking of_folder = lock(folder_);
+  if (of_folder == Locking::held_by_another) throw in_use();
+  while (of_folder == Locking::impossible) {
+    file_ = base::Descriptor(::open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
+    if (file_.get() < 0) {
+      // A bake that is only read, to export it to another folder.
+      if (errno == EACCES || errno == EPERM || errno == EROFS) break;
+      if (errno == ELOOP) throw BakeError(path_.string() + ": is a symbolic link; move it away");
+      throw std::system_error(errno, std::generic_category(), "cannot open " + path_.string());
+    }
+    if (lock(file_) == Locking::held_by_another) throw in_use();
+    // Its last holder may have removed it in between.
+    if (is_at(file_, path_)) break;
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (file_.get() >= 0) ::unlink(path_.c_str());
 }
 
 bool is_in_use_here(const fs::path& folder) {
-  struct stat about {};
-  if (::stat(folder.c_str(), &about) != 0) return false;
-  const std::string end = ":" + std::to_string(about.st_ino) + " ";
+  std::vector<std::string> ends;
+  for (const fs::path& locked : {folder, folder / lock_name})
+    if (struct stat about{}; ::stat(locked.c_str(), &about) == 0)
+      ends.push_back(":" + std::to_string(about.st_ino) + " ");
   try {
     std::istringstream locks(base::read_input_if_there("/proc/locks", most_lock_bytes).value_or(""));
     for (std::string line; std::getline(locks, line);)
       if (line.find("FLOCK") != std::string::npos && line.find(" WRITE ") != std::string::npos &&
-          line.find(end) != std::string::npos)
+          std::any_of(ends.begin(), ends.end(),
+                      [&](const auto& end) { return line.find(end) != std::string::npos; }))
         return true;
   } catch (const base::InputError&) {
     // The system does not show it.

@@ -11,14 +11,20 @@
 namespace fascicle::bake {
 
 // Keeps two bakes out of one folder. Released on destruction, and by the system when the process dies. Throws
-// BakeError if another process holds the lock.
+// FolderInUse if another process holds the lock. NFS locks files but no folders: there the lock is on a file
+// in the folder, `lock_name`, which destruction removes. A file system without any locks is used unlocked.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  base::Descriptor descriptor_;
+  base::Descriptor folder_, file_;
+  std::filesystem::path path_;  // of the file
 };
+inline constexpr const char* lock_name = "fascicle.lock";
 
 // Whether a process of this computer holds the lock. False where the file system has no locks. Reads the
 // kernel's table: trying the lock could keep out a bake that begins at that moment.

@@ -25,9 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Timeout for jobs on other hosts, whose processes cannot be queried. Longer than a build and a frame take.
-constexpr std::chrono::minutes a_sign_of_life_is_due(10);
-
 std::optional<fs::file_time_type> time_of(const fs::path& file) {
   std::error_code none;
   const fs::file_time_type time = fs::last_write_time(file, none);
@@ -37,12 +34,12 @@ std::optional<fs::file_time_type> time_of(const fs::path& file) {
 bool runs(const fs::path& output, const SummaryRow& job, const std::optional<JobRecord>& record) {
   if (bake::is_in_use_here(job.folder)) return true;
   if (!record || record->exit_status) return false;
-  if (record->host == name_of_this_host()) return is_there(record->process);
-  const std::optional<fs::file_time_type> begun = time_of(job_record_file(output, job.job));
+  // The number of a process that ended may be given to another one.
+  if (record->host == name_of_this_host() && !is_there(record->process)) return false;
+  const std::optional<fs::file_time_type> marked = time_of(job_record_file(output, job.job));
   const std::optional<fs::file_time_type> written = time_of(job.folder / bake::manifest_name);
   const auto now = fs::file_time_type::clock::now();
-  return (begun && now - *begun < a_sign_of_life_is_due) ||
-         (written && now - *written < a_sign_of_life_is_due);
+  return (marked && now - *marked < sign_of_life_due) || (written && now - *written < sign_of_life_due);
 }
 
 std::string frames_text(const bake::ManifestSummary& manifest) {

@@ -3,8 +3,10 @@
 #include <array>
 #include <cerrno>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "host/bake/folder.h"
@@ -54,6 +56,11 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
   } catch (const base::InputError&) {
     return std::nullopt;
   }
+}
+
+void give_sign_of_life(const fs::path& output, const std::string& job) {
+  // The time is that of the file system's server, whose clock may differ from ours.
+  (void)::utimensat(AT_FDCWD, job_record_file(output, job).c_str(), nullptr, AT_SYMLINK_NOFOLLOW);
 }
 
 std::string name_of_this_host() {

@@ -2,6 +2,7 @@
 // A bake that is rejected, or killed before its first frame, has no manifest to show it.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,6 +26,12 @@ std::filesystem::path job_record_file(const std::filesystem::path& output, const
 void write_job_record(const std::filesystem::path& output, const std::string& job, const JobRecord& record);
 // nullopt if there is no readable record.
 std::optional<JobRecord> read_job_record(const std::filesystem::path& output, const std::string& job);
+
+// While a job runs, its record is marked as fresh at this interval. A record without exit status that is
+// older than `sign_of_life_due` is of a process that was killed, or whose host went down.
+inline constexpr std::chrono::seconds sign_of_life_interval(10), sign_of_life_due(600);
+// Marks the record as fresh. Does nothing if that fails, for example because there is none.
+void give_sign_of_life(const std::filesystem::path& output, const std::string& job);
 
 std::string name_of_this_host();
 // Whether this host has a process with this number.

@@ -102,6 +102,7 @@ class Batch {
           if (slot.bake) slot.bake->interrupt();
       }
       wait_for_words();
+      give_signs_of_life();
       watch();
       end_jobs(interrupted);
       show();
@@ -375,6 +376,14 @@ class Batch {
     }
   }
 
+  // A bake may build or settle for longer than a job's record stays fresh.
+  void give_signs_of_life() {
+    if (!asked_.is_part || Clock::now() - last_sign_ < sign_of_life_interval) return;
+    last_sign_ = Clock::now();
+    for (const Slot& slot : slots_)
+      if (slot.bake) give_sign_of_life(asked_.output, asked_.bakes[slot.job].name);
+  }
+
   // One line that shows what each device is doing.
   void show() {
     constexpr std::size_t most_shown = 4;
@@ -470,6 +479,7 @@ class Batch {
   std::size_t ended_ = 0;
   std::set<std::string> built_;  // OneBake::model of bakes that had frames
   bool one_had_frames_ = false;
+  Clock::time_point last_sign_ = Clock::now();
   std::uint64_t largest_memory_ = 0;  // bytes, of any bake so far
   std::set<std::string> said_;        // warnings
 };

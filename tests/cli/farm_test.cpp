@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/cli/program.h"
 
@@ -199,6 +201,15 @@ TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   EXPECT_EQ(running.status, 3);
   const FarmJson record = FarmJson::parse(read_text(farm.output() + "/.outcomes/long.json"));
   EXPECT_TRUE(record.at("exit_status").is_null());
+  // While the bake runs, its record stays fresh.
+  const fs::path record_file = farm.output() + "/.outcomes/long.json";
+  const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(record_file, long_ago);
+  // The sign is due every 10 s; a minute is for a busy machine.
+  const auto late = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (fs::last_write_time(record_file) == long_ago && std::chrono::steady_clock::now() < late)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GT(fs::last_write_time(record_file), long_ago + std::chrono::minutes(30));
   const std::string process = std::to_string(record.at("process").get<long>());
   const int bake = std::atoi(read_text("/proc/" + process + "/task/" + process + "/children").c_str());
   ASSERT_GT(bake, 0);
@@ -219,11 +230,20 @@ TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   std::string text = record.dump();
   const std::string host = record.at("host").dump();
   text.replace(text.find(host), host.size(), "\"another-host\"");
-  write_text(farm.output() + "/.outcomes/long.json", text);
+  write_text(record_file, text);
   EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 running"));
-  const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
-  fs::last_write_time(farm.output() + "/.outcomes/long.json", long_ago);
-  fs::last_write_time(farm.output() + "/long/manifest.json", long_ago);
+  const auto becomes_old = [&] {
+    fs::last_write_time(record_file, long_ago);
+    fs::last_write_time(farm.output() + "/long/manifest.json", long_ago);
+  };
+  becomes_old();
+  EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 cut off"));
+  // A number of a process of this host that is now another program's, here ours.
+  FarmJson reused = record;
+  reused["process"] = static_cast<long>(::getpid());
+  write_text(record_file, reused.dump());
+  EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 running"));
+  becomes_old();
   EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 cut off"));
 }
 

@@ -158,10 +158,12 @@ class Lock(InFolder):
         scene = fascicle.Scene("bar-layers-i", end=2)
         # Without callbacks into Python, other threads run only because the GIL is released. A bake takes a second; ten
         # ticks allow for a busy machine.
+        enough = 10
         ticks = ticks_during(lambda: fascicle.bake(scene, self.path("a"), device="cpu", cache="", log=None))
-        self.assertGreater(ticks, 10)
-        # The control: a call that holds the GIL for 0.2 s lets no other thread run.
-        self.assertLess(ticks_during(lambda: ctypes.PyDLL(None).usleep(200000)), 3)
+        self.assertGreater(ticks, enough)
+        # The control: a call that holds the GIL for 0.2 s lets no other thread run, but for the few ticks around it.
+        usleep = ctypes.PyDLL(None).usleep
+        self.assertLessEqual(ticks_during(lambda: usleep(200000)), enough)
 
     def test_a_scene_is_baked_by_two_threads_at_once(self):
         scene = fascicle.Scene.parse(SMALL_BAR)
