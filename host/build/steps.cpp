@@ -32,7 +32,19 @@ constexpr double least_explicit_substeps = 4.0;
 
 double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
   double edges = 0.0;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+  std::size_t count = 0;
+  std::vector<char> has_flesh(std::max<std::size_t>(scene.characters.size(), 1), 0);
+  double length = 0.0;
+  const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
+  for (const std::size_t k : scene::characters_with_flesh(scene)) {
+    has_flesh[k] = 1;
+    length = std::max(length, lengths.at(k));
+  }
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (!scene.characters.empty() &&
+        has_flesh[scene::character_of_joint(scene, model.skin_joint[model.skin_offset[i]])] == 0)
+      continue;
+    count += model.ring_offset[i + 1] - model.ring_offset[i];
     for (std::uint32_t k = model.ring_offset[i]; k < model.ring_offset[i + 1]; ++k) {
       double squared = 0.0;
       for (std::size_t c = 0; c < 3; ++c) {
@@ -42,9 +54,8 @@ double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
       }
       edges += std::sqrt(squared);
     }
-  const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
-  const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
-  const double length = *std::max_element(lengths.begin(), lengths.end());
+  }
+  const double mean_edge = edges / static_cast<double>(count) * model.unit;
   const double needed =
       std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) / (mean_edge * scene.fps));
   return std::max(needed, least_explicit_substeps);

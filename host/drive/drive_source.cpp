@@ -38,10 +38,10 @@ struct DriveSource::Impl {
   Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
   Pose followed_back(std::uint64_t count);
   Pose followed_on(std::uint64_t count);
-  void append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before, const Vector3d& after);
-  bool accelerates(std::uint64_t count);
+  bool accelerates(std::size_t joint, std::uint64_t count);
+  double acceleration_of(std::size_t joint, std::uint64_t count);
   bool is_bounded(std::uint64_t count);
-  void append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+  void append_break(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                     const Vector3d& after);
   std::vector<shader::Bone> start_after(const Vector3d& origin);
   model::Drive drive_to(const Vector3d& end);
@@ -51,6 +51,7 @@ struct DriveSource::Impl {
   std::uint64_t substeps;
   std::optional<Timeline> timeline;         // empty without a skeleton
   std::optional<FeltAcceleration> felt;     // likewise
+  std::vector<std::size_t> character_of;    // per joint
   std::optional<MuscleDrive> muscle_drive;  // empty without muscles
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
@@ -82,6 +83,8 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
   if (character != nullptr)
     timeline.emplace(scene, *character, model::extents(model, scene::first_joints(scene)), substeps);
   if (character != nullptr) felt.emplace(scene, *character, model);
+  for (std::size_t j = 0; j < model.joint_count; ++j)
+    character_of.push_back(scene::character_of_joint(scene, j));
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
     decay.push_back(static_cast<float>(base::exact_exp(-layer.damping * h())));
@@ -169,50 +172,61 @@ Pose DriveSource::Impl::followed_on(std::uint64_t count) {
   return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
 }
 
-// Appends the cut between the ends of substeps count - 1 and count, which is substep number `substep` of its
-// frame.
-void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
-                                   const Vector3d& after) {
-  const std::size_t first = cut_poses.size();
-  cut_poses.resize(first + 4);
-  append_bones(followed_on(count), before, cut_poses[first]);
-  append_bones(timeline->pose(count - 1), before, cut_poses[first + 1]);
-  append_bones(followed_back(count), after, cut_poses[first + 2]);
-  append_bones(timeline->pose(count), after, cut_poses[first + 3]);
-  cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
+// Whether the ends of substeps count - 2, count - 1 and count belong to one motion of the joint's character.
+bool DriveSource::Impl::accelerates(std::size_t joint, std::uint64_t count) {
+  const std::size_t character = character_of[joint];
+  return count >= 2 && !timeline->is_cut_of(character, count) && !timeline->is_cut_of(character, count - 1);
 }
 
-// Whether the ends of substeps count - 2, count - 1 and count belong to one motion.
-bool DriveSource::Impl::accelerates(std::uint64_t count) {
-  return count >= 2 && !timeline->is_cut(count) && !timeline->is_cut(count - 1);
+// What a joint that accelerates() has into substep `count`, since the last cut at the most.
+double DriveSource::Impl::acceleration_of(std::size_t joint, std::uint64_t count) {
+  if (!felt->has_flesh(joint)) return 0.0;
+  const std::uint64_t window = substeps_of_window(h());
+  std::uint64_t first = count - 1;
+  while (count - first < window && first > 1 && !timeline->is_cut_of(character_of[joint], first - 1)) --first;
+  return felt->of_joint(joint, {timeline->pose(first - 1), timeline->pose(first), timeline->pose(count - 1),
+                                timeline->pose(count), h(), static_cast<double>(window) * h()});
 }
 
 // Whether a joint's acceleration into substep `count` exceeds the limit on what its flesh feels.
 bool DriveSource::Impl::is_bounded(std::uint64_t count) {
-  if (!accelerates(count)) return false;
-  const Pose &before = timeline->pose(count - 2), &at = timeline->pose(count - 1),
-             &to = timeline->pose(count);
-  for (std::size_t j = 0; j < to.size(); ++j)
-    if (felt->of_joint(j, before, at, to, h()) > felt->limit(j)) return true;
+  for (std::size_t j = 0; j < character_of.size(); ++j)
+    if (accelerates(j, count) && acceleration_of(j, count) > felt->limit(j)) return true;
   return false;
 }
 
-// Appends a cut at which the body stays in place: flesh receives that part of the skeleton's change of
-// velocity into substep `count` which it is not supposed to feel.
-void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+// Appends a break between the ends of substeps count - 1 and count, which is substep number `substep` of its
+// frame. A character with a cut there is carried over it. All others stay in place, and their flesh receives
+// that part of the skeleton's change of velocity into substep `count` which it is not supposed to feel.
+void DriveSource::Impl::append_break(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                                      const Vector3d& after) {
-  const Pose &old = timeline->pose(count - 2), &at = timeline->pose(count - 1), &to = timeline->pose(count);
-  Pose given(at.size());
+  const Pose at = timeline->pose(count - 1), to = timeline->pose(count);
+  const Pose old = count >= 2 ? timeline->pose(count - 2) : at;
+  Pose ended = old, begun = at, given = at, followed_to;
+  if (timeline->is_cut(count)) {
+    followed_to = followed_on(count);
+    begun = followed_back(count);
+  }
   for (std::size_t j = 0; j < at.size(); ++j) {
-    const double acceleration = felt->of_joint(j, old, at, to, h());
-    const double share = acceleration > felt->limit(j) ? 1.0 - felt->limit(j) / acceleration : 0.0;
-    given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
+    if (timeline->is_cut_of(character_of[j], count)) {
+      ended[j] = followed_to[j];
+      given[j] = to[j];
+      continue;
+    }
+    begun[j] = at[j];
+    if (accelerates(j, count)) {
+      const double acceleration = acceleration_of(j, count);
+      const double share = acceleration > felt->limit(j) ? 1.0 - felt->limit(j) / acceleration : 0.0;
+      given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
+    } else {
+      ended[j] = at[j];
+    }
   }
   const std::size_t first = cut_poses.size();
   cut_poses.resize(first + 4);
-  append_bones(old, before, cut_poses[first]);
+  append_bones(ended, before, cut_poses[first]);
   append_bones(at, before, cut_poses[first + 1]);
-  append_bones(at, after, cut_poses[first + 2]);
+  append_bones(begun, after, cut_poses[first + 2]);
   append_bones(given, after, cut_poses[first + 3]);
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }
@@ -279,11 +293,8 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
   Vector3d origin = cut_ahead ? before : end;
   for (std::uint64_t s = 0; s < substeps; ++s) {
     const std::uint64_t count = first + s + 1;
-    if (impl.timeline && impl.timeline->is_cut(count)) {
-      impl.append_cut(static_cast<std::uint32_t>(s), count, origin, end);
-      origin = end;
-    } else if (impl.timeline && impl.is_bounded(count)) {
-      impl.append_bound(static_cast<std::uint32_t>(s), count, origin, end);
+    if (impl.timeline && (impl.timeline->is_cut(count) || impl.is_bounded(count))) {
+      impl.append_break(static_cast<std::uint32_t>(s), count, origin, end);
       origin = end;
     }
     if (impl.timeline) impl.append_pose(impl.timeline->pose(count), origin, impl.timeline->clip_time(count));
@@ -326,11 +337,8 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
   const std::uint64_t substeps = impl.substeps, last = scene::cycle_frames(impl.scene) * substeps;
   std::vector<Thrown> of_joint(impl.model.joint_count);
   for (std::uint64_t count = 2; count <= last; ++count) {
-    if (!impl.accelerates(count)) continue;
-    const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1),
-               &to = impl.timeline->pose(count);
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      const double a = impl.felt->of_joint(j, before, at, to, impl.h());
+    for (std::size_t j = 0; j < of_joint.size(); ++j) {
+      const double a = impl.accelerates(j, count) ? impl.acceleration_of(j, count) : 0.0;
       if (a > std::max(impl.felt->limit(j), of_joint[j].acceleration))
         of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count - 2 + substeps) / substeps};
     }
@@ -340,6 +348,10 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
   std::stable_sort(worst.begin(), worst.end(),
                    [](const Thrown& a, const Thrown& b) { return a.acceleration > b.acceleration; });
   return worst;
+}
+
+std::vector<Timeline::Jump> DriveSource::jumps() {
+  return impl_->timeline ? impl_->timeline->jumps() : std::vector<Timeline::Jump>();
 }
 
 double DriveSource::acceleration_limit(std::size_t joint) const {
@@ -354,16 +366,15 @@ void DriveSource::for_each_throw(const std::function<void(const std::vector<Thro
   std::vector<Throw> thrown(skeleton.size());
   for (std::uint64_t count = 1; count <= last; ++count) {
     const Pose& to = impl.timeline->pose(count);
-    const bool accelerates = impl.accelerates(count);
     for (std::size_t j = 0; j < thrown.size(); ++j) {
       thrown[j] = {};
       if (!impl.felt->has_flesh(j)) continue;
       thrown[j].gravity = impl.scene.motion.rest == scene::Rest::sculpted
                               ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
                               : impl.scene.gravity;
-      if (!accelerates) continue;
+      if (!impl.accelerates(j, count)) continue;
       const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
-      const double most = impl.felt->of_joint(j, before, at, to, impl.h());
+      const double most = impl.acceleration_of(j, count);
       const double felt = most > impl.felt->limit(j) ? impl.felt->limit(j) / most : 1.0;
       thrown[j].inertia = -felt * impl.felt->in_middle(j, before, at, to, impl.h());
     }
@@ -452,10 +463,20 @@ model::State DriveSource::begun_again(const model::State& cycled) const {
   Impl& impl = *impl_;
   model::State state = cycled;
   state.frame = 0;
-  if (!impl.timeline || impl.timeline->returns()) return state;
+  if (!impl.timeline) return state;
   const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
   const Vector3d ended(cycled.origin[0], cycled.origin[1], cycled.origin[2]);
   const Vector3d origin = impl.origin(0);
+  if (impl.timeline->returns()) {
+    // A step of the root's rounded position, however little the root itself moved.
+    if (origin == ended) return state;
+    const Vector3d shift = (ended - origin) / impl.model.unit;
+    for (std::vector<float>* places : {&state.positions, &state.skinned, &state.positions_before})
+      for (std::size_t i = 0; i < places->size(); ++i)
+        (*places)[i] += static_cast<float>(shift[static_cast<Eigen::Index>(i % 3)]);
+    state.origin = array_of(origin);
+    return state;
+  }
   std::vector<shader::Bone> before, at, to;
   impl.append_bones(impl.timeline->pose(last - 1), ended, before);
   impl.append_bones(impl.timeline->pose(last), ended, at);

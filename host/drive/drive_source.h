@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/drive/timeline.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/scene/scene.h"
@@ -44,6 +45,8 @@ class DriveSource {
     std::uint64_t frame = 0;    // in which that occurs
   };
   std::vector<Thrown> thrown();
+  // Where a root jumps in the first cycle, and no cut is marked (timeline.h).
+  std::vector<Timeline::Jump> jumps();
   double acceleration_limit(std::size_t joint) const;  // m/s^2; 0 without a skeleton
 
   // The accelerations at the middle of each joint's flesh, in one cycle of the clip, m/s^2: gravity as it

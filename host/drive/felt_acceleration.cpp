@@ -20,6 +20,11 @@ Vector3d image(const Eigen::Matrix4d& map, const Vector3d& p) {
 
 }  // namespace
 
+std::uint64_t substeps_of_window(double h) {
+  const double most = static_cast<double>(most_substeps_of_window);
+  return static_cast<std::uint64_t>(std::clamp(std::round(felt_window / h), 1.0, most));
+}
+
 std::uint32_t main_joint(const model::Model& model, std::uint32_t i) {
   std::uint32_t best = model.skin_offset[i];
   for (std::uint32_t k = best; k < model.skin_offset[i + 1]; ++k)
@@ -61,12 +66,12 @@ FeltAcceleration::FeltAcceleration(const scene::Scene& scene, const rig::Charact
   }
 }
 
-double FeltAcceleration::of_joint(std::size_t j, const Pose& before, const Pose& at, const Pose& after,
-                                  double h) const {
-  const Eigen::Matrix4d change = (after[j] - at[j]) - (at[j] - before[j]);
+double FeltAcceleration::of_joint(std::size_t j, const Substeps& substeps) const {
+  const Eigen::Matrix4d change =
+      (substeps.last_to[j] - substeps.last_from[j]) - (substeps.first_to[j] - substeps.first_from[j]);
   double largest = 0.0;
   for (const Vector3d& p : corners_[j]) largest = std::max(largest, image(change, p).squaredNorm());
-  return std::sqrt(largest) * scale_ / (h * h);
+  return std::sqrt(largest) * scale_ / (substeps.h * substeps.apart);
 }
 
 Vector3d FeltAcceleration::in_middle(std::size_t j, const Pose& before, const Pose& at, const Pose& after,

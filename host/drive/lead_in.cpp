@@ -22,10 +22,13 @@ double speed(const model::Model& model, const std::vector<float>& velocities) {
   return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count)) * model.unit;
 }
 
-// m; for several characters the smallest.
+// m; for several characters the smallest of those with flesh.
 double smallest_extent(const scene::Scene& scene, const model::Model& model) {
   const std::vector<double> extents = model::extents(model, scene::first_joints(scene));
-  return *std::min_element(extents.begin(), extents.end());
+  double smallest = INFINITY;
+  for (const std::size_t k : scene::characters_with_flesh(scene))
+    smallest = std::min(smallest, extents.at(k));
+  return smallest;
 }
 
 }  // namespace

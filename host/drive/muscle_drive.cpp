@@ -167,8 +167,15 @@ void MuscleDrive::append(const Pose& pose, double time, std::vector<shader::Musc
       const double side =
           std::clamp((bend.sine - sine_without_side) / (sine_with_side - sine_without_side), 0.0, 1.0);
       tau = (1.0 - side) * prepared.hinge;
-      if (side > 0.0) tau += side * at_rest(m, pose, bend.tau / bend.sine);
-      const double length = std::sqrt(tau.squaredNorm());
+      double agreement = 1.0;
+      if (side > 0.0) {
+        const Vector3d now = at_rest(m, pose, bend.tau / bend.sine);
+        tau += side * now;
+        agreement = std::clamp(1.0 + now.dot(prepared.hinge), 0.0, 1.0);
+      }
+      // A joint that bends past straight turns tau around. On the way it passes through 0: at unit length it
+      // would jump from one side to the other.
+      const double length = (1.0 - agreement) + agreement * std::sqrt(tau.squaredNorm());
       if (length > 0.0) tau *= (activation_of(muscle, bend.cosine, bend.sine) - prepared.resting) / length;
     }
     double swell = 0.0;

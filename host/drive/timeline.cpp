@@ -18,7 +18,7 @@ Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
       clip_(rig::find_clip(character, scene.clip)),
       substeps_(substeps),
       cycle_(std::max<std::uint64_t>(scene::cycle_frames(scene), 1) * substeps_),
-      kept_(substeps_ + 4) {
+      kept_(substeps_ + 4 + most_substeps_of_window) {
   for (std::size_t k = 0; k < extents.size(); ++k) {
     Root root;
     const bool is_last = k + 1 >= scene.characters.size();
@@ -26,15 +26,30 @@ Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
     if (!scene.characters.empty()) root.joint = scene.characters[k].first_joint;
     while (root.joint + 1 < end && !character.skeleton[root.joint].skins) ++root.joint;
     root.cut_distance = scene.motion.cut_distance.value_or(extents[k] > 0.0 ? extents[k] : INFINITY);
-    root.is_borne = !scene.characters.empty() && scene.characters[k].bearer;
+    root.leader = k;
+    if (!scene.characters.empty()) {
+      const scene::PlacedCharacter& one = scene.characters[k];
+      root.is_borne = one.bearer.has_value();
+      // A bearer comes before those that it bears.
+      if (one.bearer) root.leader = roots_[scene::character_of_joint(scene, *one.bearer)].leader;
+      root.has_flesh = false;
+    }
     roots_.push_back(root);
   }
+  for (const std::size_t k : scene::characters_with_flesh(scene)) roots_.at(k).has_flesh = true;
+  const auto counts = [](const Root& root) { return root.has_flesh && !root.is_borne; };
+  if (std::none_of(roots_.begin(), roots_.end(), counts))
+    for (Root& root : roots_) root.has_flesh = true;
   const Pose first = rig::joint_transforms_at(character, clip_, scene.start);
   const Pose last = rig::joint_transforms_at(character, clip_, scene.end);
   for (std::size_t j = 0; j < first.size(); ++j) {
     const Vector3d way = (last[j] - first[j]).topRightCorner<3, 1>() * scene.scale;
     const double extent = extents[scene::character_of_joint(scene, j)];
-    if (character.skeleton[j].skins && way.norm() > 1e-3 * extent) returns_ = false;
+    // A joint may turn in its place. Its flesh lies about a tenth of the body's extent away from it.
+    const Eigen::Matrix3d turn =
+        ((last[j] - first[j]) * character.skeleton[j].inverse_bind).topLeftCorner<3, 3>();
+    const bool moves = way.norm() > 1e-3 * extent || 0.1 * turn.norm() > 1e-3;
+    if (character.skeleton[j].skins && moves) returns_ = false;
   }
 }
 
@@ -42,9 +57,16 @@ double Timeline::clip_time(std::uint64_t count) const {
   const scene::Motion& motion = scene_.motion;
   if (motion.loop == 1 && !motion.seamless) {
     // Rounded only once, so that times of whole frames or tenths of a second come out as written.
-    const double t =
-        scene_.start + static_cast<double>(count) / (static_cast<double>(substeps_) * scene_.fps);
-    return motion.hold > 0.0 && count > cycle_ ? scene_.end : t;
+    const auto time_of = [&](std::uint64_t substeps) {
+      return scene_.start + static_cast<double>(substeps) / (static_cast<double>(substeps_) * scene_.fps);
+    };
+    if (!(motion.hold > 0.0)) return time_of(count);
+    // If the end is not at a whole frame, the nearest frame's pose is held, or the end's if that comes
+    // before.
+    constexpr double rounding = 1e-9;  // s
+    const double last = time_of(cycle_);
+    const double held = last > scene_.end - rounding ? scene_.end : last;
+    return count > cycle_ ? held : std::min(time_of(count), held);
   }
   if (count == 0) return scene_.start;
   if (count > motion.loop * cycle_) return scene_.end;
@@ -58,6 +80,7 @@ const Pose& Timeline::pose(std::uint64_t count) {
   if (kept.count != count || kept.pose.empty()) {
     kept.pose = rig::joint_transforms_at(character_, clip_, clip_time(count));
     kept.count = count;
+    kept.is_cut.clear();
   }
   return kept.pose;
 }
@@ -91,12 +114,11 @@ Vector3d Timeline::place_of(const Root& root, const Pose& pose) const {
 }
 
 Vector3d Timeline::root(const Pose& pose) const {
-  // No other character bears the first.
-  Vector3d sum = place_of(roots_.front(), pose);
-  std::size_t count = 1;
-  for (std::size_t k = 1; k < roots_.size(); ++k) {
-    if (roots_[k].is_borne) continue;
-    sum += place_of(roots_[k], pose);
+  Vector3d sum = Vector3d::Zero();
+  std::size_t count = 0;
+  for (const Root& root : roots_) {
+    if (root.is_borne || !root.has_flesh) continue;
+    sum += place_of(root, pose);
     ++count;
   }
   return sum / static_cast<double>(count);
@@ -118,13 +140,64 @@ bool Timeline::is_marked(std::uint64_t count) const {
   return std::any_of(cuts.begin(), cuts.end(), [&](double t) { return from < t && t <= to; });
 }
 
+// How far the root moves in frame `frame` + 1, m.
+double Timeline::frame_step(const Root& root, std::uint64_t frame) {
+  const auto places = [&](std::uint64_t k) -> const std::vector<Vector3d>& {
+    std::vector<Vector3d>& there = places_[k];
+    if (there.empty()) {
+      const Pose all = rig::joint_transforms_at(character_, clip_, clip_time(k * substeps_));
+      for (const Root& one : roots_) there.push_back(place_of(one, all));
+    }
+    return there;
+  };
+  const auto k = static_cast<std::size_t>(&root - roots_.data());
+  return (places(frame + 1)[k] - places(frame)[k]).norm();
+}
+
+// Whether a frame's step is far from the usual in the frames before and after it: small bodies may move
+// further than their size in every frame.
+bool Timeline::stands_out(const Root& root, std::uint64_t frame) {
+  constexpr double seconds_around = 0.25, times_the_usual = 4.0;
+  const double step = frame_step(root, frame);
+  const auto reach = static_cast<std::uint64_t>(std::ceil(seconds_around * scene_.fps));
+  const auto is_unusual = [&](std::uint64_t first, std::uint64_t end) {
+    std::vector<double> steps;
+    for (std::uint64_t k = first; k < end; ++k) steps.push_back(frame_step(root, k));
+    if (steps.empty()) return true;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return step > times_the_usual * *middle;
+  };
+  const std::uint64_t frames = scene::frame_count(scene_);
+  return is_unusual(frame - std::min(frame, reach), frame) &&
+         is_unusual(frame + 1, std::min(frame + 1 + reach, frames));
+}
+
+bool Timeline::is_jump_in_frame(const Root& root, std::uint64_t frame) {
+  return frame_step(root, frame) > root.cut_distance &&
+         (scene_.motion.cut_distance || stands_out(root, frame));
+}
+
+std::vector<Timeline::Jump> Timeline::jumps() {
+  std::vector<Jump> found;
+  for (std::uint64_t frame = 0; frame < cycle_ / substeps_; ++frame)
+    for (std::size_t k = 0; k < roots_.size(); ++k) {
+      const auto carries_flesh = [&](const Root& root) { return root.leader == k && root.has_flesh; };
+      if (std::none_of(roots_.begin(), roots_.end(), carries_flesh)) continue;
+      if (!is_jump_in_frame(roots_[k], frame)) continue;
+      bool marked = false;
+      for (std::uint64_t s = 1; s <= substeps_; ++s) marked = marked || is_marked(frame * substeps_ + s);
+      if (!marked) found.push_back({k, frame + 1, frame_step(roots_[k], frame)});
+    }
+  return found;
+}
+
 // Whether the root moves at the speed of a jump, over both the substep and its frame: a quick start is not a
-// jump.
+// jump, and neither is a quick flight, unless the scene says from which distance on it is one.
 bool Timeline::is_jump(const Root& root, std::uint64_t count) {
-  if (root.is_borne || count == 0 || begins_cycle(count)) return false;
+  if (count == 0 || begins_cycle(count)) return false;
   if (!(root_step(root, count - 1, count) > root.cut_distance / static_cast<double>(substeps_))) return false;
-  const std::uint64_t frame = (count - 1) / substeps_;
-  return root_step(root, frame * substeps_, (frame + 1) * substeps_) > root.cut_distance;
+  return is_jump_in_frame(root, (count - 1) / substeps_);
 }
 
 bool Timeline::jumps_about(const Root& root, std::uint64_t count) {
@@ -137,9 +210,19 @@ bool Timeline::jumps_about(const Root& root, std::uint64_t count) {
 }
 
 bool Timeline::is_cut(std::uint64_t count) {
+  for (std::size_t k = 0; k < roots_.size(); ++k)
+    if (roots_[k].leader == k && is_cut_of(k, count)) return true;
+  return false;
+}
+
+bool Timeline::is_cut_of(std::size_t character, std::uint64_t count) {
   if (begins_cycle(count)) return !returns_;
-  return is_marked(count) || std::any_of(roots_.begin(), roots_.end(),
-                                         [&](const Root& root) { return jumps_about(root, count); });
+  (void)pose(count);
+  std::vector<std::optional<bool>>& known = kept_[count % kept_.size()].is_cut;
+  if (known.empty()) known.resize(roots_.size());
+  const std::size_t leader = roots_[character].leader;
+  if (!known[leader]) known[leader] = is_marked(count) || jumps_about(roots_[leader], count);
+  return *known[leader];
 }
 
 }  // namespace fascicle::drive

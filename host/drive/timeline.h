@@ -7,6 +7,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,9 @@ namespace fascicle::drive {
 
 using Pose = std::vector<Eigen::Matrix4d>;  // per joint: from its own space to the world, the file's metres
 
+// The acceleration that flesh feels is measured over at most this many substeps.
+inline constexpr std::uint64_t most_substeps_of_window = 64;
+
 class Timeline {
  public:
   // `extents`: of each of the scene's characters, or of the only one, metres. The scene and its character
@@ -23,6 +28,7 @@ class Timeline {
   Timeline(const scene::Scene& scene, const rig::Character& character, std::span<const double> extents,
            std::uint64_t substeps);
 
+  // Keeps some hundred poses, the last that were requested.
   const Pose& pose(std::uint64_t count);
   // The pose that is `share` (0 to 1) of the way to the first pose from the bind pose, which is placed and
   // turned like the first pose's root. With several characters, each relative to its own root.
@@ -31,13 +37,22 @@ class Timeline {
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
 
-  // Position of the root joint, metres of the scene; for several characters the mean over those that no other
-  // bears.
+  // Position of the root joint, metres of the scene; for several characters the mean over those with flesh
+  // that no other bears.
   scene::Vector3d root(const Pose& pose) const;
 
   // Whether there is a cut between the ends of substeps count - 1 and count, count >= 1: at a marked cut; if
-  // a root moves too far; or where a new cycle begins, if the clip does not end as it begins.
+  // a root jumps; or where a new cycle begins, if the clip does not end as it begins.
   bool is_cut(std::uint64_t count);
+  // The same for one character: others' jumps do not count, except that of one that bears it.
+  bool is_cut_of(std::size_t character, std::uint64_t count);
+  // The jumps of characters with flesh, or of their bearers, in the first cycle; not those at marked cuts.
+  struct Jump {
+    std::size_t character = 0;
+    std::uint64_t frame = 0;  // whose end it leads to
+    double distance = 0.0;    // m
+  };
+  std::vector<Jump> jumps();
   // Whether the clip's last pose equals its first, within a thousandth of its body's extent at every joint.
   bool returns() const { return returns_; }
 
@@ -47,11 +62,16 @@ class Timeline {
   // A character's root joint.
   struct Root {
     std::size_t joint = 0;
-    double cut_distance = 0.0;  // m: more than this in a frame is a jump
-    bool is_borne = false;      // by a joint of another character: it jumps with that one
+    double cut_distance = 0.0;  // m: more than this in a frame may be a jump
+    std::size_t leader = 0;     // the character that jumps with it: it, or the last in its line of bearers
+    bool is_borne = false;      // by a joint of another character
+    bool has_flesh = true;
   };
   scene::Vector3d place_of(const Root& root, const Pose& pose) const;
   double root_step(const Root& root, std::uint64_t from, std::uint64_t to);
+  double frame_step(const Root& root, std::uint64_t frame);
+  bool stands_out(const Root& root, std::uint64_t frame);
+  bool is_jump_in_frame(const Root& root, std::uint64_t frame);
   bool is_jump(const Root& root, std::uint64_t count);
   bool jumps_about(const Root& root, std::uint64_t count);
 
@@ -64,8 +84,10 @@ class Timeline {
   struct Kept {
     std::uint64_t count = ~std::uint64_t{0};
     Pose pose;
+    std::vector<std::optional<bool>> is_cut;  // per character; empty: not asked yet
   };
   std::vector<Kept> kept_;  // the last poses requested, by count modulo the size
+  std::map<std::uint64_t, std::vector<scene::Vector3d>> places_;  // of all roots at ends of frames
 };
 
 }  // namespace fascicle::drive

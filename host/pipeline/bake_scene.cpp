@@ -109,6 +109,21 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   return text + "; look for keys that jump there";
 }
 
+// A warning if a root jumps, or empty. Flesh is carried along, which looks wrong where speed was meant.
+std::string warning_of_jumps(const scene::Scene& scene, drive::DriveSource& drives) {
+  const std::vector<drive::Timeline::Jump> jumps = drives.jumps();
+  if (jumps.empty()) return "";
+  const drive::Timeline::Jump& first = jumps.front();
+  const std::string root = scene.characters.empty()
+                               ? std::string("the root")
+                               : "the root of " + scene.characters[first.character].settings.name;
+  return root + " jumps by " + number_text(first.distance, 3) + " m in frame " + std::to_string(first.frame) +
+         (jumps.size() > 1 ? ", and " + count_text(jumps.size() - 1) + " more do" : std::string()) +
+         ": flesh is carried along and does not feel it; if that is meant, list the times in motion.cuts, "
+         "and if "
+         "it is a quick motion, set motion.cut_distance above its length";
+}
+
 // Caches starts next to the filled bodies, under keys that include the hash of the build programs.
 void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
   const std::optional<std::string> programs = build::hash_of_programs(paths);
@@ -201,6 +216,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   say_warnings(built.report, say);
   drive::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
+  warn(warning_of_jumps(scene, drives));
   prepared.look_body = bake::look_body_of(scene, built.model);
   if (prepared.look_body)
     prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);

@@ -268,7 +268,7 @@ struct Force {
   ForceKind kind = ForceKind::point;
   Vector3d vector = Vector3d::Zero();  // Pa or N
   Where where;                         // point: which vertices
-  double start = 0.0;                  // s; acts for start <= t < end
+  double start = -1e30;                // s; acts for start <= t < end
   double end = 1e30;
 };
 
@@ -420,6 +420,8 @@ bool is_still_mesh(const PlacedCharacter& character);
 bool is_still_prop(const PlacedCharacter& character);
 // From the world, or the bearer's space, to the character's own space: the inverse of its place.
 Eigen::Matrix4d back_from(const PlacedCharacter& character);
+// Indices of the characters that are not rigid props; of all if all are. {0} if the scene has only one body.
+std::vector<std::size_t> characters_with_flesh(const Scene& scene);
 // PlacedCharacter::first_joint of each of the scene's characters.
 std::vector<std::uint32_t> first_joints(const Scene& scene);
 // Joins the scene's characters into its geometry, side by side in the bind pose. Throws SceneError.

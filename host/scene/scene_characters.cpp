@@ -299,6 +299,15 @@ Eigen::Matrix4d back_from(const PlacedCharacter& character) {
   return back;
 }
 
+std::vector<std::size_t> characters_with_flesh(const Scene& scene) {
+  std::vector<std::size_t> all, with_flesh;
+  for (std::size_t k = 0; k < std::max<std::size_t>(scene.characters.size(), 1); ++k) {
+    all.push_back(k);
+    if (scene.characters.empty() || !scene.characters[k].settings.rigid) with_flesh.push_back(k);
+  }
+  return with_flesh.empty() ? all : with_flesh;
+}
+
 std::vector<std::uint32_t> first_joints(const Scene& scene) {
   std::vector<std::uint32_t> joints;
   for (const PlacedCharacter& character : scene.characters) joints.push_back(character.first_joint);
@@ -314,6 +323,7 @@ std::size_t character_of_joint(const Scene& scene, std::size_t joint) {
 std::vector<rig::Character> characters_to_be(const toml::table& root, const std::filesystem::path& folder,
                                              LoadedFiles* files, const SceneOverrides& overrides) {
   std::vector<rig::Character> all;
+  std::vector<bool> is_prop;
   // Accepts still meshes everywhere; reading the character checks whether one is allowed.
   const auto load = [&](const toml::table& table, const std::string& path) {
     const auto stated = [&](const char* key) { return overridden(overrides, join_path(path, key)); };
@@ -333,6 +343,8 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
       } else {
         return;
       }
+      const auto rigid = stated("rigid");
+      is_prop.push_back(rigid ? *rigid == "true" : table["rigid"].value_or(false));
       const auto paint = stated("paint");
       const std::string file = paint ? *paint : table["paint"].value_or(std::string());
       if (!file.empty()) lay_paint_over(folder / file, files, loaded, all.back());
@@ -349,6 +361,11 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
       load(*node->as_table(), join_path("character", name->str()));
   }
   if (all.empty()) all.emplace_back();
+  // The layers of flesh do not go by the size of the house that it lives in.
+  is_prop.resize(all.size(), false);
+  if (std::find(is_prop.begin(), is_prop.end(), false) != is_prop.end())
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (is_prop[k]) all[k].surface.vertices.clear();
   return all;
 }
 

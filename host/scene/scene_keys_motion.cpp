@@ -109,7 +109,7 @@ const auto& motion_rows() {
            .range = between(-1e5, 1e5)}),
       key(&Motion::cut_distance, {.name = "cut_distance",
                                   .doc = "Movement of a root in one frame above which it counts as a jump, "
-                                         "m. Default: the body's largest extent.",
+                                         "m. Default: the body's largest extent, in frames that stand out.",
                                   .range = positive(farthest)})};
   static_assert(base::has_row_for_each_member<Motion, decltype(all)>, "a member of Motion has no row here");
   return all;

@@ -152,8 +152,10 @@ const auto& force_rows() {
                            .required = true}),
       where_key(&Force::where, false,
                 "Vertices that a point force acts on; required for point, not allowed for wind."),
-      key(&Force::start,
-          {.name = "start", .doc = "Time from which the force acts, s.", .range = between(-1e5, 1e30)}),
+      key(&Force::start, {.name = "start",
+                          .doc = "Time from which the force acts, s. By default it always has, in preroll, "
+                                 "settling and handles too.",
+                          .range = between(-1e30, 1e30)}),
       key(&Force::end,
           {.name = "end", .doc = "Time before which the force acts, s.", .range = between(-1e5, 1e30)})};
   static_assert(base::has_row_for_each_member<Force, decltype(all)>, "a member of Force has no row here");

@@ -109,6 +109,10 @@ void read_motion(const toml::table& root, Scene& scene) {
       refuse("interpolation", "takes a [character], whose clip has keys; leave it out");
     if (motion.acceleration_limit)
       refuse("acceleration_limit", "takes a [character], whose joints accelerate; leave it out");
+    if (motion.cut_distance) refuse("cut_distance", "takes a [character], whose root jumps; leave it out");
+    if (scene.flesh.exaggerate != 1.0)
+      fail(table_at(root, "flesh").get("exaggerate")->source(), "flesh.exaggerate",
+           "takes a [character], whose skeleton accelerates flesh; leave it out");
     if (motion.preroll > 0.0) refuse("preroll", "takes a [character]; leave it out");
     if (motion.loop > 1) refuse("loop", "takes a [character], whose clip it repeats; leave it out");
     if (motion.seamless) refuse("seamless", "takes a [character], whose clip it repeats; leave it out");

@@ -198,6 +198,20 @@ TEST(DriveSource, forces_act_from_their_start_until_before_their_end) {
   EXPECT_EQ(acted, 24u);  // 0.1 s at 240 substeps per second
 }
 
+// Handles put frames before time 0. A force without a start acts there too, and while the flesh settles.
+TEST(DriveSource, a_force_without_a_start_has_always_acted) {
+  Walk s = standing();
+  s.scene.start = -0.2;
+  scene::Force wind;
+  wind.name = "wind";
+  wind.vector = {3, 0, 0};
+  s.scene.forces = {wind};
+  s.model.force_count = 1;
+  DriveSource source(s.scene, s.model);
+  EXPECT_EQ(source.drive(1).forces[0].x, 6.0f);
+  EXPECT_EQ(source.settle_drive().forces[0].x, 6.0f);
+}
+
 TEST(DriveSource, a_force_may_begin_inside_a_frame) {
   Walk s = standing();
   s.scene.start = 1.0;

@@ -101,6 +101,22 @@ TEST(MuscleDrive, BelowFiveDegreesTheClipsHingeLeads) {
   expect_tau(value_of(arm, posed(arm.character(), -48.0)), activation * Vector3d::UnitY());
 }
 
+// Where the bind pose is bent, a straight joint's activation is less than at rest, so tau is not small where
+// it turns around. It passes through 0 within the 5 degrees between hinge and bending plane: by 0.3 in all,
+// 0.006 per tenth.
+TEST(MuscleDrive, PastStraightTauTurnsAroundWithoutAJump) {
+  const Arm arm = arm_with({.name = "m", .joint = "forearm"}, "arm-bent");
+  double before = value_of(arm, posed(arm.character(), -40.0)).tau_y;
+  const double first = before;
+  for (int tenth = 401; tenth <= 610; ++tenth) {
+    const double now = value_of(arm, posed(arm.character(), -0.1 * tenth)).tau_y;
+    ASSERT_LT(std::abs(now - before), 0.02) << tenth;
+    before = now;
+  }
+  EXPECT_LT(first, -0.1);
+  EXPECT_GT(before, 0.1);
+}
+
 TEST(MuscleDrive, FormsOfActivation) {
   const double angle = 120.0 * degree;
   const drive::Pose pose = posed(made::make_character("arm"), 120.0);

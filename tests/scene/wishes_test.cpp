@@ -70,6 +70,19 @@ TEST(Wishes, ExaggerationMultipliesWhatFleshFeels) {
   EXPECT_NE(far.find("makes inertia_scale of layers.fat 6, and 4 is the most"), std::string::npos) << far;
 }
 
+// They would do nothing.
+TEST(Wishes, WhatTakesASkeletonIsRefusedWithoutOne) {
+  const std::string bar = "[bar]\n[layers.body]\nalpha = 0.5\n";
+  EXPECT_NE(
+      message_of([&] { parse(bar, {.exaggerate = 2.0}); }).find("flesh.exaggerate: takes a [character]"),
+      std::string::npos);
+  EXPECT_NE(message_of([&] {
+              parse(bar, {.set = {"motion.cut_distance=1"}});
+            }).find("motion.cut_distance: takes a [character]"),
+            std::string::npos);
+  EXPECT_EQ(parse(bar, {.exaggerate = 1.0}).flesh.exaggerate, 1.0);
+}
+
 TEST(Wishes, OnlyNamesJointsWhateverTheyAreCalled) {
   const Scene scene = parse(made_arm, {.only = {"forearm", "say \"hand\""}});
   EXPECT_EQ(scene.skeleton.only, (std::vector<std::string>{"forearm", "say \"hand\""}));
