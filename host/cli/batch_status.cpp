@@ -90,7 +90,8 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
 
 }  // namespace
 
-JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file_time_type> summary_written) {
+JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file_time_type> summary_written,
+                  const std::string& summary_settings) {
   JobState state{.row = std::move(job)};
   SummaryRow& row = state.row;
   // The times first: a file that is replaced meanwhile must not count as newer than what was read.
@@ -103,6 +104,7 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
     state.unreadable.emplace_back(error.what());  // affects only this job
   }
   std::optional<JobRecord> record = read_job_record(output, row.job);
+  const std::string baked = record && !record->settings.empty() ? record->settings : summary_settings;
   if (recorded && !record)
     state.unreadable.push_back(job_record_file(output, row.job).string() +
                                ": is damaged, and does not count");
@@ -143,6 +145,12 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
     row.device = record->device;
   }
   put_into_words(manifest, runs(output, row, record), manifest || record, state);
+  if (row.status == "done" && !baked.empty() && baked != settings_text(row)) {
+    row.exit_status.reset();
+    row.hash.clear();
+    row.status = "not begun";
+    state.text = row.status + ": its folder holds a bake of other settings; --overwrite bakes it again";
+  }
   return state;
 }
 
@@ -231,12 +239,14 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
   std::vector<JobState> jobs;
   for (const scene::Job& job : plan.jobs) {
     SummaryRow row{job.name, plan.output / job.name, job.scene, job.clip, job.set, job.formats};
+    std::string summary_settings;
     if (const auto found = known.rows.find(job.name); found != known.rows.end()) {
+      summary_settings = settings_text(found->second);
       row.exit_status = found->second.exit_status;
       row.error = found->second.error;
       row.device = found->second.device;
     }
-    jobs.push_back(state_of(plan.output, std::move(row), known.written));
+    jobs.push_back(state_of(plan.output, std::move(row), known.written, summary_settings));
     for (const std::string& why : jobs.back().unreadable) log.warning(job.name + ": " + why);
   }
   std::vector<std::pair<std::string, std::string>> lines;

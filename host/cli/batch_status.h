@@ -21,9 +21,11 @@ struct JobState {
 
 // `job` must have its name, its folder and its settings. If batch.json, as written at this time, says how the
 // job's last run ended, it also has its `exit_status`, `error` and `device`. The newest counts of that, the
-// bake's manifest and the job's record.
+// bake's manifest and the job's record. `summary_settings` is the settings_text() of its row there. A bake of
+// other settings than the job's does not count as done.
 JobState state_of(const std::filesystem::path& output, SummaryRow job,
-                  std::optional<std::filesystem::file_time_type> summary_written);
+                  std::optional<std::filesystem::file_time_type> summary_written,
+                  const std::string& summary_settings = {});
 
 // The batch's exit status: that of its first failure, or else `interrupted` if a job is not done.
 ExitCode code_of(const std::vector<JobState>& jobs);

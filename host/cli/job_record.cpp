@@ -33,7 +33,8 @@ void write_job_record(const fs::path& output, const std::string& job, const JobR
       {"exit_status",
        record.exit_status ? nlohmann::ordered_json(*record.exit_status) : nlohmann::ordered_json()},
       {"error", record.error},
-      {"warnings", record.warnings}};
+      {"warnings", record.warnings},
+      {"settings", record.settings}};
   // A job that was submitted twice may run twice at once.
   base::write_whole_beside_others(
       file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
@@ -44,8 +45,8 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
     const std::string text =
         base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
     const nlohmann::json json = nlohmann::json::parse(base::shallow_json(text), nullptr, false);
-    JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},
-                     json.at("error"), json.at("warnings")};
+    JobRecord record{json.at("host"),  json.at("process"),  json.at("device"),         {},
+                     json.at("error"), json.at("warnings"), json.value("settings", "")};
     if (const nlohmann::json& status = json.at("exit_status"); !status.is_null()) {
       if (!is_exit_status(status)) return std::nullopt;
       record.exit_status = status.get<int>();

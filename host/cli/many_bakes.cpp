@@ -370,7 +370,7 @@ class Batch {
     try {
       write_job_record(asked_.output, job.name,
                        {name_of_this_host(), static_cast<long>(::getpid()), outcome.device, outcome.status,
-                        outcome.error, outcome.warnings});
+                        outcome.error, outcome.warnings, settings_text(job)});
     } catch (const std::system_error& error) {
       log_.warning(job.name + ": its record cannot be written: " + error.what());
     }

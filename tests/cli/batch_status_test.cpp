@@ -196,6 +196,32 @@ TEST(BatchStatus, TakesOnlyExitStatusesThatAProcessHas) {
   }
 }
 
+// The list was changed after the bake. Of both kinds of batch: with batch.json, and with records to merge.
+TEST(BatchStatus, ABakeOfOtherSettingsIsNotDone) {
+  for (const bool is_part : {false, true}) {
+    const ListedBar bar;
+    const auto list = [&](const std::string& end) {
+      bar.write_list("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=" + end + "\"]\n");
+    };
+    list("0.1");
+    std::vector<std::string> words{"batch", bar.list()};
+    if (is_part) words.insert(words.end(), {"--job", "bar"});
+    ASSERT_EQ(fascicle(words).status, 0);
+    EXPECT_TRUE(contains(status_of(bar.list()).out, "bar  done"));
+    list("0.2");
+    const Outcome other = status_of(bar.list(), {"--merge"});
+    EXPECT_EQ(other.status, 75) << other.out;
+    EXPECT_TRUE(contains(other.out, "bar  not begun: its folder holds a bake of other settings"))
+        << other.out;
+    const StatusJson row = StatusJson::parse(read_text(bar.summary())).at("jobs").at(0);
+    EXPECT_EQ(row.at("status"), "not begun");
+    EXPECT_EQ(row.at("hash"), "");
+    words.push_back("--overwrite");
+    ASSERT_EQ(fascicle(words).status, 0);
+    EXPECT_TRUE(contains(status_of(bar.list()).out, "bar  done"));
+  }
+}
+
 TEST(BatchStatus, OnlyABatchOfOursIsReplaced) {
   const ListedBar bar;
   fs::create_directories(bar.output());
