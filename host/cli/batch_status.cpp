@@ -104,7 +104,6 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
     state.unreadable.emplace_back(error.what());  // affects only this job
   }
   std::optional<JobRecord> record = read_job_record(output, row.job);
-  const std::string baked = record && !record->settings.empty() ? record->settings : summary_settings;
   if (recorded && !record)
     state.unreadable.push_back(job_record_file(output, row.job).string() +
                                ": is damaged, and does not count");
@@ -131,6 +130,12 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   }
   row.warnings.insert(row.warnings.end(), state.unreadable.begin(), state.unreadable.end());
   const bool record_is_newer = record && is_newer(recorded, written);
+  // Of a bake that was made alone since then, nothing says what the list's settings were.
+  std::string baked;
+  if (is_newer(summary_written, written) && is_newer(summary_written, recorded))
+    baked = summary_settings;
+  else if (record_is_newer)
+    baked = record->settings;
   if (summary_is_newest) {
     // The row has it.
   } else if (record_is_newer && record->exit_status) {
@@ -148,6 +153,7 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   if (row.status == "done" && !baked.empty() && baked != settings_text(row)) {
     row.exit_status.reset();
     row.hash.clear();
+    row.baked = baked;
     row.status = "not begun";
     state.text = row.status + ": its folder holds a bake of other settings; --overwrite bakes it again";
   }
@@ -241,7 +247,7 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
     SummaryRow row{job.name, plan.output / job.name, job.scene, job.clip, job.set, job.formats};
     std::string summary_settings;
     if (const auto found = known.rows.find(job.name); found != known.rows.end()) {
-      summary_settings = settings_text(found->second);
+      summary_settings = found->second.baked.empty() ? settings_text(found->second) : found->second.baked;
       row.exit_status = found->second.exit_status;
       row.error = found->second.error;
       row.device = found->second.device;

@@ -35,14 +35,15 @@ SummaryRow row_of(const SummaryJson& json, const std::filesystem::path& output) 
           .formats = json.at("format"),
           .device = json.at("device"),
           .exit_status = status.is_null() ? std::optional<int>() : status.get<int>(),
-          .error = json.at("error")};
+          .error = json.at("error"),
+          .baked = json.value("baked", "")};
 }
 
 }  // namespace
 
 void write_batch_summary(const std::filesystem::path& output, const std::vector<SummaryRow>& rows) {
   SummaryJson list = SummaryJson::array();
-  for (const SummaryRow& row : rows)
+  for (const SummaryRow& row : rows) {
     list.push_back({{"job", row.job},
                     {"folder", row.folder.string()},
                     {"scene", row.scene},
@@ -56,6 +57,8 @@ void write_batch_summary(const std::filesystem::path& output, const std::vector<
                     {"last_position_hash", row.hash},
                     {"error", row.error},
                     {"warnings", row.warnings}});
+    if (!row.baked.empty()) list.back()["baked"] = row.baked;
+  }
   // Several processes may merge at once, so the temporary file needs a unique name.
   base::write_whole_beside_others(
       output / scene::batch_summary,

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
@@ -21,7 +23,16 @@ struct SummaryRow {
   double seconds = 0.0;
   std::string hash = {}, error = {};
   std::vector<std::string> warnings = {};
+  std::string baked = {};  // settings_text() of the bake in its folder, if it is one of other settings
 };
+
+// What a job was told to bake, as text that is only compared: the scene's file name, its clip, settings and
+// formats. For a SummaryRow, or what else has these members.
+template <class Job>
+std::string settings_text(const Job& job) {
+  return nlohmann::json{std::filesystem::path(job.scene).filename().string(), job.clip, job.set, job.formats}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 // Atomically replaces the file in the batch's output folder.
 void write_batch_summary(const std::filesystem::path& output, const std::vector<SummaryRow>& rows);

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 namespace fascicle::cli {
 
 struct JobRecord {
@@ -21,14 +19,6 @@ struct JobRecord {
   std::vector<std::string> warnings;
   std::string settings = {};  // settings_text() of the job; empty in records of older versions
 };
-
-// What a job was told to bake, as text that is only compared: the scene's file name, its clip, settings and
-// formats. For a SummaryRow, or what else has these members.
-template <class Job>
-std::string settings_text(const Job& job) {
-  return nlohmann::json{std::filesystem::path(job.scene).filename().string(), job.clip, job.set, job.formats}
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
 
 // OUTPUT/.outcomes/NAME.json. No job's folder can clash with it, because no job's name starts with a dot.
 std::filesystem::path job_record_file(const std::filesystem::path& output, const std::string& job);

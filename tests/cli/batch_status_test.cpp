@@ -29,7 +29,11 @@ struct ListedBar {
   }
   void write_plan(const std::string& name, const std::string& output_of_plan) const {
     const StatusJson none = StatusJson::array();
-    const StatusJson row{{"job", name}, {"scene", "arm"}, {"clip", ""}, {"set", none}, {"format", none}};
+    const StatusJson row{{"job", name},
+                         {"scene", "bar-hang-none"},
+                         {"clip", ""},
+                         {"set", {"scene.end=0.2"}},
+                         {"format", {"pc2"}}};
     fs::create_directories(job());
     write_text(
         job() + "/plan.json",
@@ -215,7 +219,11 @@ TEST(BatchStatus, ABakeOfOtherSettingsIsNotDone) {
         << other.out;
     const StatusJson row = StatusJson::parse(read_text(bar.summary())).at("jobs").at(0);
     EXPECT_EQ(row.at("status"), "not begun");
-    EXPECT_EQ(row.at("hash"), "");
+    EXPECT_EQ(row.at("last_position_hash"), "");
+    EXPECT_EQ(status_of(bar.list()).out, other.out) << "the merge has not made it one of these settings";
+    list("0.1");
+    EXPECT_TRUE(contains(status_of(bar.list()).out, "bar  done"));
+    list("0.2");
     words.push_back("--overwrite");
     ASSERT_EQ(fascicle(words).status, 0);
     EXPECT_TRUE(contains(status_of(bar.list()).out, "bar  done"));
