@@ -79,16 +79,23 @@ Eigen::Vector3d center_of(std::span<const float> positions) {
   return sum / static_cast<double>(count);
 }
 
+// The flesh as it is drawn.
+std::vector<float> drawn_points(DrawnFrames& frames, const render::BodyDrawing& drawing, std::uint64_t k) {
+  return drawing.draws_tetrahedra() ? frames.positions(k) : frames.surface(k);
+}
+
 // That point in a frame. With --compare, both sides share one camera, which must not depend on the flesh.
-Eigen::Vector3d followed(DrawnFrames& frames, const RenderArguments& arguments, std::uint64_t k) {
-  return center_of(arguments.compare ? frames.skinned_surface(k) : frames.positions(k));
+Eigen::Vector3d followed(DrawnFrames& frames, const render::BodyDrawing& drawing,
+                         const RenderArguments& arguments, std::uint64_t k) {
+  return center_of(arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k));
 }
 
 // The points that must be in view.
 class Survey {
  public:
-  Survey(DrawnFrames& frames, const RenderArguments& arguments, std::span<const std::uint64_t> shown)
-      : frames_(frames), arguments_(arguments), shown_(shown.begin(), shown.end()) {
+  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const RenderArguments& arguments,
+         std::span<const std::uint64_t> shown)
+      : frames_(frames), drawing_(drawing), arguments_(arguments), shown_(shown.begin(), shown.end()) {
     if (shown_.empty()) shown_ = survey_frames(frames.count());
     if (!arguments.compare) return;
     for (const std::uint64_t k : shown_) {
@@ -105,8 +112,8 @@ class Survey {
   void visit(Visit visit) const {
     for (const std::uint64_t k : shown_) {
       const Eigen::Vector3d from = center(k);
-      const std::vector<float> positions = frames_.positions(k);
-      each(positions, from, [&](const Eigen::Vector3d& p) {
+      const std::vector<float> points = drawn_points(frames_, drawing_, k);
+      each(points, from, [&](const Eigen::Vector3d& p) {
         visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p);
       });
       if (!arguments_.compare) continue;
@@ -117,7 +124,8 @@ class Survey {
 
  private:
   Eigen::Vector3d center(std::uint64_t k) const {
-    return arguments_.follow ? followed(frames_, arguments_, k) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    return arguments_.follow ? followed(frames_, drawing_, arguments_, k)
+                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
   template <class Visit>
   static void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) {
@@ -125,6 +133,7 @@ class Survey {
   }
 
   DrawnFrames& frames_;
+  const render::BodyDrawing& drawing_;
   const RenderArguments& arguments_;
   std::vector<std::uint64_t> shown_;
   Eigen::AlignedBox3d box_;
@@ -227,7 +236,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
     throw UsageError(error.what());
   }
   legend_ = drawing_->legend();
-  const Survey survey(frames, arguments, shown);
+  const Survey survey(frames, *drawing_, arguments, shown);
   const Extent extent = extent_of(survey, view);
   const Size size =
       arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
@@ -243,7 +252,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
 
 render::Camera Artist::camera_at(std::uint64_t k) const {
   render::Camera camera = camera_;
-  if (arguments_.follow) camera.eye += followed(frames_, arguments_, k);
+  if (arguments_.follow) camera.eye += followed(frames_, *drawing_, arguments_, k);
   return camera;
 }
 
@@ -282,10 +291,16 @@ std::vector<float> Artist::contact_depths(std::span<const float> positions) cons
 }
 
 render::Image Artist::picture(std::uint64_t k) const {
-  const std::vector<float> positions = frames_.positions(k);
-  if (overlap_) return draw(k, positions, contact_depths(positions), {});
+  const bool draws_tetrahedra = drawing_->draws_tetrahedra();
   const bool needs_lag = arguments_.mode == render::Mode::lag;
-  return draw(k, positions, needs_lag ? frames_.lag(k) : std::vector<float>(), {});
+  const std::vector<float> positions =
+      draws_tetrahedra || overlap_ ? frames_.positions(k) : std::vector<float>();
+  const std::vector<float> surface = draws_tetrahedra ? std::vector<float>() : frames_.surface(k);
+  return draw(k, positions,
+              overlap_    ? contact_depths(positions)
+              : needs_lag ? frames_.lag(k)
+                          : std::vector<float>(),
+              surface);
 }
 
 render::Image Artist::skinned_picture(std::uint64_t k) const {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
 #include "host/formats/surface.h"
+#include "host/page/base64.h"
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
@@ -143,6 +145,111 @@ TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
     // For a body of 2 m; the file's weights, bind matrices and poses are floats.
     EXPECT_LT(most, 2e-5) << k;
   }
+}
+
+// A blend shape lifts the whole mesh by 0.3 m in the course of the clip.
+void lift(const fs::path& character, float seconds) {
+  std::string bytes;
+  const auto append = [&](const std::vector<float>& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  };
+  append({0.0f, seconds});
+  append({0.0f, 1.0f});
+  change_glb(character, [&](json& document) {
+    const auto add_view = [&](std::size_t offset, std::size_t length) {
+      document["bufferViews"].push_back(
+          {{"buffer", document["buffers"].size()}, {"byteOffset", offset}, {"byteLength", length}});
+      return document["bufferViews"].size() - 1;
+    };
+    const auto add_accessor = [&](std::size_t view, std::size_t count, const char* type) {
+      document["accessors"].push_back({{"bufferView", view},
+                                       {"componentType", 5126},
+                                       {"type", type},
+                                       {"count", count},
+                                       {"min", json::array({0})},
+                                       {"max", json::array({1})}});
+      return document["accessors"].size() - 1;
+    };
+    const std::size_t times = add_accessor(add_view(0, 8), 2, "SCALAR"),
+                      weights = add_accessor(add_view(8, 8), 2, "SCALAR");
+    for (json& primitive : document["meshes"][0]["primitives"]) {
+      const std::size_t count =
+          document["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()]["count"];
+      const std::size_t view = add_view(bytes.size(), 12 * count);
+      for (std::size_t i = 0; i < count; ++i) append({0.0f, 0.3f, 0.0f});
+      const std::size_t target = add_accessor(view, count, "VEC3");
+      document["accessors"][target]["min"] = document["accessors"][target]["max"] = {0.0f, 0.3f, 0.0f};
+      primitive["targets"] = json::array({{{"POSITION", target}}});
+    }
+    document["meshes"][0]["weights"] = json::array({0.0});
+    json& clip = document["animations"][0];
+    std::size_t node = 0;
+    while (!document["nodes"][node].contains("mesh")) ++node;
+    clip["samplers"].push_back({{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}});
+    clip["channels"].push_back(
+        {{"sampler", clip["samplers"].size() - 1}, {"target", {{"node", node}, {"path", "weights"}}}});
+    document["buffers"].push_back({{"byteLength", bytes.size()},
+                                   {"uri", "data:application/octet-stream;base64," + page::base64(bytes)}});
+  });
+}
+
+std::vector<float> vertices_of_obj(const std::string& text) {
+  std::istringstream lines(text);
+  std::vector<float> vertices;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    float value = 0.0f;
+    while (word == "v" && words >> value) vertices.push_back(value);
+  }
+  return vertices;
+}
+
+// The mean row of the blue pixels in columns [first, last).
+double blue_row(const Pixels& pixels, unsigned first, unsigned last) {
+  double sum = 0.0, count = 0.0;
+  for (unsigned y = 0; y < pixels.height; ++y)
+    for (unsigned x = first; x < last; ++x) {
+      const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
+      if (p[2] <= p[0] + 60) continue;
+      sum += y;
+      ++count;
+    }
+  return sum / count;
+}
+
+// Blend shapes move the flesh that is drawn, as they move what is exported.
+TEST_F(RenderCompare, BlendShapesMoveTheFlesh) {
+  paint({{"uri", blue_png}});
+  lift(fs::path(bake_) / "character.glb", 0.2f);
+  ASSERT_EQ(fascicle({"export", bake_, "--to", "obj", "-q"}).status, 0);
+  cli::RenderArguments arguments;
+  arguments.input.name = bake_;
+  cli::Log log({});
+  cli::DrawnFrames frames(arguments, log);
+  const std::uint64_t last = frames.count() - 1;
+  for (const std::uint64_t k : {std::uint64_t{0}, last}) {
+    const std::string number = std::to_string(k);
+    const std::vector<float> exported = vertices_of_obj(read_text(
+        fs::path(bake_) / "obj" / ("frame_" + std::string(6 - number.size(), '0') + number + ".obj")));
+    const std::vector<float> drawn = frames.surface(k),
+                             carried = formats::embed(frames.model(), frames.positions(k));
+    ASSERT_EQ(drawn.size(), exported.size());
+    double most = 0.0, lifted = 0.0;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      most = std::max(most, std::fabs(double{drawn[i]} - double{exported[i]}));
+      if (i % 3 == 1)
+        lifted += 3.0 * (double{drawn[i]} - double{carried[i]}) / static_cast<double>(drawn.size());
+    }
+    EXPECT_LT(most, 1e-6) << k;  // both round to float
+    // Bones lean during the jump, and the lift with them.
+    EXPECT_NEAR(lifted, k == 0 ? 0.0 : 0.3, 0.05) << k;
+  }
+  ASSERT_EQ(render({"-o", sheet_, "--compare", "--frame", std::to_string(last)}).status, 0);
+  const Pixels pair = pixels_of(sheet_);
+  // The two differ by the soft flesh, a small part of the body; a seventh of it is more than 10 rows.
+  EXPECT_NEAR(blue_row(pair, 0, 120), blue_row(pair, 120, 240), 3.0);
 }
 
 TEST_F(RenderCompare, WorstFramesAreThoseOfTheMetrics) {
