@@ -250,27 +250,32 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   reach_ = 1.5 * extent.world.diagonal().norm();
 }
 
-render::Camera Artist::camera_at(std::uint64_t k) const {
-  render::Camera camera = camera_;
-  if (arguments_.follow) camera.eye += followed(frames_, *drawing_, arguments_, k);
-  return camera;
+// How far the camera has moved with the body.
+Eigen::Vector3d Artist::way_at(std::uint64_t k) const {
+  return arguments_.follow ? followed(frames_, *drawing_, arguments_, k)
+                           : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-std::vector<render::Shape> Artist::solids_at(std::uint64_t k) const {
+std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vector3d& way,
+                                             const Eigen::Vector3d& eye) const {
   std::vector<render::Shape> shapes;
   for (const scene::Solid& solid : frames_.solids(k)) {
     if (is_floor(solid) && backdrop_.ground == height_of(solid)) continue;
+    // From inside it would hide the body.
+    if (scene::distance_to(solid, eye) < 0.0) continue;
     shapes.push_back(render::solid_shape(
-        {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_, reach_));
+        {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_ + way, reach_));
   }
   return shapes;
 }
 
 render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
                            std::span<const float> surface) const {
-  const render::Camera camera = camera_at(k);
+  const Eigen::Vector3d way = way_at(k);
+  render::Camera camera = camera_;
+  camera.eye += way;
   std::vector<render::Shape> shapes = drawing_->shapes(positions, lag, camera.eye.cast<float>(), surface);
-  for (render::Shape& solid : solids_at(k)) shapes.push_back(std::move(solid));
+  for (render::Shape& solid : solids_at(k, way, camera.eye)) shapes.push_back(std::move(solid));
   return render::render(shapes, camera, backdrop_, arguments_.threads);
 }
 

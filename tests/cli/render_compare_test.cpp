@@ -1,4 +1,4 @@
-// fascicle render --compare, --worst and the file's own colours, as a user sees them.
+// fascicle render --compare, --worst, the file's own colours and shapes, and solids, as a user sees them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -298,6 +298,67 @@ TEST_F(RenderCompare, BarStandsBesideItsRest) {
   const Outcome outcome = render({"-o", sheet_, "--compare", "--sheet", "2x1"}, "160x96");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(pixels_of(sheet_).width, 640u);
+}
+
+// A bar of 0.3 m that moves freely beside one solid: the share of a picture that shows skin, and the
+// share of its second lowest row that shows the solid, a dark bluish grey.
+struct Shown {
+  double skin = 0.0, solid_below = 0.0;
+};
+
+class RenderBesideSolid : public testing::Test {
+ protected:
+  void bake_beside(const std::string& collider, const std::string& seconds) {
+    write_text(folder_ / "scene.toml",
+               "[scene]\nfps = 24\n[bar]\nsize = [0.3, 0.3, 0.3]\nvertices = [3, 3, 3]\n"
+               "[layers.flesh]\nyoungs_modulus = 50e3\ndamping = 3.0\ndensity = 1000.0\n"
+               "[solver]\nintegrator = \"implicit\"\nsubsteps = \"auto\"\n[collider.solid]\n" +
+                   collider);
+    const Outcome baked = fascicle(
+        {"bake", folder_ / "scene.toml", "-o", folder_ / "bake", "--end", seconds, "--device", "cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+  }
+  Shown shown(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"render", folder_ / "bake", "-o",         folder_ / "a.png",
+                                       "--size", "160x160",        "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Pixels pixels = pixels_of(folder_ / "a.png");
+    Shown shown;
+    for (unsigned k = 0; k < pixels.width * pixels.height; ++k) {
+      const int red = pixels.rgb[3 * k], blue = pixels.rgb[3 * k + 2];
+      shown.skin += red > blue + 25 ? 1.0 : 0.0;
+      if (k / pixels.width == pixels.height - 2)
+        shown.solid_below += blue > red + 5 && blue < 180 ? 1.0 : 0.0;
+    }
+    shown.skin /= pixels.width * pixels.height;
+    shown.solid_below /= pixels.width;
+    return shown;
+  }
+
+  TemporaryFolder folder_;
+};
+
+// The bar slides down by three times its length. The slope fills the foreground wherever it is, with a camera
+// that follows it and with one that does not: it reaches past the camera.
+TEST_F(RenderBesideSolid, ASlopeIsUnderTheBodyWhereverItGoes) {
+  bake_beside("shape = \"plane\"\ncenter = [0.0, -0.16, 0.0]\nnormal = [0.0, 1.0, 0.1]\nfriction = 0.0\n",
+              "3");
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--frame", "0"},
+                                               {"--frame", "72"},
+                                               {"--frame", "0", "--follow"},
+                                               {"--frame", "72", "--follow"}}) {
+    const Shown one = shown(more);
+    EXPECT_EQ(one.solid_below, 1.0) << more[1] << (more.size() > 2 ? " followed" : "");
+    EXPECT_GT(one.skin, 0.05) << more[1] << (more.size() > 2 ? " followed" : "");
+  }
+}
+
+// A block of 40 m whose near side is between the bar and the camera, which is in the block.
+TEST_F(RenderBesideSolid, ASolidAroundTheCameraDoesNotHideTheBody) {
+  bake_beside("shape = \"box\"\ncenter = [0.0, 0.0, 20.5]\nsize = [40.0, 40.0, 40.0]\n", "0.5");
+  EXPECT_GT(shown({"--frame", "0"}).skin, 0.005);
 }
 
 }  // namespace
