@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "host/base/errors.h"
 #include "host/cli/text.h"
 #include "host/render/solid_shapes.h"
 
@@ -189,6 +190,19 @@ double natural_scale(DrawnFrames& frames, const ValuesOf& values_of) {
   return most > 0.0f ? round_up(double{most}) : 1e-3;
 }
 
+// Why the scene's solids cannot be drawn; empty if they can. A bake's folder does not hold the inputs of its
+// scene.
+std::string why_solids_are_unknown(DrawnFrames& frames) {
+  try {
+    (void)frames.solids(0);
+  } catch (const base::SceneError& error) {
+    return error.what();
+  } catch (const base::BakeError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 }  // namespace
 
 Size size_of(const std::string& text, const std::string& option, unsigned most) {
@@ -244,8 +258,13 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   survey.visit([&](const Eigen::Vector3d& p) { fit.include(p); });
   camera_ = fit.camera(arguments.zoom);
   backdrop_.ground = extent.lowest;
-  for (const scene::Solid& solid : frames.solids(0))
-    if (is_floor(solid)) backdrop_.ground = height_of(solid);
+  why_no_solids_ = why_solids_are_unknown(frames);
+  if (!why_no_solids_.empty()) {
+    log.warning("the scene's solids are not shown: " + why_no_solids_);
+  } else {
+    for (const scene::Solid& solid : frames.solids(0))
+      if (is_floor(solid)) backdrop_.ground = height_of(solid);
+  }
   middle_ = extent.world.center();
   reach_ = 1.5 * extent.world.diagonal().norm();
 }
@@ -258,6 +277,7 @@ Eigen::Vector3d Artist::way_at(std::uint64_t k) const {
 
 std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vector3d& way,
                                              const Eigen::Vector3d& eye) const {
+  if (!why_no_solids_.empty()) return {};
   std::vector<render::Shape> shapes;
   for (const scene::Solid& solid : frames_.solids(k)) {
     if (is_floor(solid) && backdrop_.ground == height_of(solid)) continue;

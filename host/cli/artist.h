@@ -35,6 +35,8 @@ class Artist {
 
   const render::BodyDrawing& drawing() const { return *drawing_; }
   const render::Legend& legend() const { return legend_; }
+  // Empty if the scene's solids are drawn.
+  const std::string& why_no_solids() const { return why_no_solids_; }
 
   render::Image picture(std::uint64_t k) const;
   // The same view of skinning alone.
@@ -62,6 +64,7 @@ class Artist {
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   double reach_ = 0.0;
   render::Backdrop backdrop_;
+  std::string why_no_solids_;
 };
 
 }  // namespace fascicle::cli

@@ -115,6 +115,37 @@ TEST_F(Render, BakeWithoutItsModelOrFramesSaysSo) {
   expect_refused(render({"-o", folder_ / "a.png"}), 3, "frames.fascicle");
 }
 
+// A bake whose mesh is gone: pictures and reports show the body without the solids of its scene, and say so.
+TEST(RenderSolids, OfASceneThatCannotBeReadAgainAreLeftOut) {
+  const TemporaryFolder folder;
+  // A tetrahedron above a slope.
+  write_text(folder / "body.mesh",
+             "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n0.2 0 0 0\n0 0.2 0 0\n0 0 0.2 0\n"
+             "Tetrahedra 1\n1 2 3 4 0\nEnd\n");
+  write_text(folder / "scene.toml",
+             "[mesh]\nfile = \"body.mesh\"\n[layers.flesh]\n"
+             "[collider.ramp]\nshape = \"plane\"\ncenter = [0, -0.1, 0]\nnormal = [0, 1, 0.3]\n");
+  const std::string bake = folder / "bake", picture = folder / "picture.png", page = folder / "page.html";
+  const Outcome baked =
+      fascicle({"bake", folder / "scene.toml", "-o", bake, "--end", "0.1", "--device", "cpu", "-q"});
+  ASSERT_EQ(baked.status, 0) << baked.err;
+  const auto render = [&] {
+    return fascicle({"render", bake, "-o", picture, "--overwrite", "--size", "160x120"});
+  };
+  ASSERT_EQ(render().status, 0);
+  const std::string with = read_text(picture);
+  fs::remove(folder / "body.mesh");
+  const Outcome outcome = render();
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "solids are not shown: ")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "body.mesh")) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_NE(read_text(picture), with);
+  const Outcome reported = fascicle({"report", bake, "-o", page});
+  ASSERT_EQ(reported.status, 0) << reported.err;
+  EXPECT_TRUE(contains(read_text(page), "solids are not shown: "));
+}
+
 TEST_F(Render, SceneGivesItsRestPose) {
   const Outcome outcome = fascicle(
       {"render", "bar-layers-iii", "-o", folder_ / "rest.png", "--mode", "layers", "--size", "160x120"});
