@@ -308,18 +308,19 @@ void add_render(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--lag-scale", arguments->lag_scale,
                    "Lag, or depth with --mode contact, at the end of the colour scale, mm")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number(1e9))
       ->option_text("MM");
   subcommand->add_option("--view", arguments->view, "three-quarter, front, side or back")
       ->check(CLI::IsMember({"three-quarter", "front", "side", "back"}).description(""))
       ->option_text("VIEW");
   subcommand->add_option("--turn", arguments->turn, "Angle of the camera around the body, degrees")
+      ->check(number_from(-1e6, 1e6))
       ->option_text("DEGREES");
   subcommand->add_option("--tilt", arguments->tilt, "Elevation of the camera, degrees; -80 to 80")
-      ->check(CLI::Range(-80.0, 80.0).description(""))
+      ->check(number_from(-80.0, 80.0))
       ->option_text("DEGREES");
   subcommand->add_option("--zoom", arguments->zoom, "2 shows the middle half of the picture")
-      ->check(CLI::Range(0.1, 100.0).description(""))
+      ->check(number_from(0.1, 100.0))
       ->option_text("FACTOR");
   subcommand->add_flag("--follow", arguments->follow, "The camera follows the body");
   subcommand->add_option("--size", arguments->size, "Size in pixels; default: fits the motion")

@@ -89,7 +89,7 @@ void add_view(CLI::App& app, Command& command) {
       ->add_option("--error", arguments->error,
                    "Quantise so that no vertex moves by more than MM millimetres; default: a 20,000th of the "
                    "body's longest side")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number(1e6))
       ->option_text("MM");
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace an existing page");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
