@@ -49,13 +49,13 @@ ExitCode view(const ViewArguments& arguments, Log& log) {
   if (arguments.error) options.error = 1e-3 * *arguments.error;
   options.interrupted = &interrupts();
   std::unique_ptr<Progress> progress;
-  options.on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
-    if (!progress) progress = std::make_unique<Progress>(log, "reading", frames);
-    progress->update(frame);
+  options.on_step = [&](std::uint64_t done, std::uint64_t steps) {
+    if (!progress) progress = std::make_unique<Progress>(log, "page", steps);
+    progress->update(done);
   };
   const page::PageResult result = page::page_of_bake(options);
   log.clear_bar();
-  if (result.interrupted) {
+  if (result.interrupted || interrupts()) {
     log.warning("interrupted; no page was written");
     return ExitCode::interrupted;
   }

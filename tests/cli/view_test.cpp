@@ -1,5 +1,6 @@
 // fascicle view: a separate decoder shows that the page contains the bake; its output, and what it refuses.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/sealed_json.h"
+#include "host/page/bake_page.h"
 #include "host/page/base64.h"
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
@@ -292,6 +294,36 @@ TEST(View, CutoffsAreThoseOfTheTexturesAlpha) {
       EXPECT_EQ(texel < of_texture, alpha * texel < 0.5) << alpha << " " << texel;
   }
   EXPECT_EQ(cutoff(0.3, "OPAQUE", 0.5), 0.0);
+}
+
+// An interrupt in whichever step leaves no page, and there are three steps a frame.
+TEST(View, StopsAfterAnyStep) {
+  const TemporaryFolder folder;
+  bake_of("arm", folder / "bake", {"--end", "0.1"});
+  page::PageOptions options;
+  options.bake = folder / "bake";
+  std::vector<std::uint64_t> steps;
+  options.on_step = [&](std::uint64_t done, std::uint64_t of) {
+    steps.push_back(done);
+    EXPECT_LE(done, of);
+    EXPECT_EQ(of % 3, 0u);
+  };
+  const page::PageResult whole = page::page_of_bake(options);
+  EXPECT_FALSE(whole.interrupted);
+  ASSERT_EQ(steps.size(), 3 * whole.frames);
+  for (std::size_t k = 0; k < steps.size(); ++k) EXPECT_EQ(steps[k], k + 1);
+  std::atomic<bool> interrupted = false;
+  options.interrupted = &interrupted;
+  for (std::uint64_t stop = 1; stop <= steps.size(); ++stop) {
+    interrupted = false;
+    options.on_step = [&](std::uint64_t done, std::uint64_t) {
+      EXPECT_LE(done, stop) << "it goes on";
+      interrupted = done == stop;
+    };
+    const page::PageResult result = page::page_of_bake(options);
+    EXPECT_TRUE(result.interrupted) << stop;
+    EXPECT_EQ(result.html, "") << stop;
+  }
 }
 
 // A scene's name may contain markup.
