@@ -14,6 +14,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
+#include "host/base/file.h"
 #include "host/base/part_file.h"
 #include "host/cli/artist.h"
 #include "host/cli/command.h"
@@ -63,14 +64,24 @@ std::optional<std::uint64_t> worst_of(const RenderArguments& arguments) {
   return arguments.compare && !says_which ? std::optional(default_worst) : std::nullopt;
 }
 
+// Names of pictures and films in other formats.
+bool is_other_medium(const std::string& extension) {
+  for (const char* other :
+       {".apng", ".avi", ".avif", ".bmp", ".dds", ".dpx", ".exr",  ".gif",  ".hdr",  ".heic", ".jpe", ".jpeg",
+        ".jpg",  ".jxl", ".m4v",  ".mkv", ".mov", ".mp4", ".mpeg", ".mpg",  ".ogv",  ".pdf",  ".pgm", ".pnm",
+        ".ppm",  ".psd", ".qoi",  ".svg", ".tga", ".tif", ".tiff", ".webm", ".webp", ".wmv"})
+    if (extension == other) return true;
+  return false;
+}
+
 Plan plan_of(const RenderArguments& arguments) {
   Plan plan;
-  const bool is_file = fs::path(arguments.output).extension() == ".png";
-  const std::string extension = fs::path(arguments.output).extension().string();
-  for (const char* other : {".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".exr", ".webp", ".mp4"})
-    if (extension == other)
-      throw UsageError("-o " + arguments.output +
-                       ": pictures are PNG; give a name that ends in .png, or a folder");
+  const std::string extension = base::lower_extension(arguments.output);
+  const bool is_file = extension == ".png";
+  // A name that ends in / has no extension.
+  if (is_other_medium(extension) && !fs::is_directory(arguments.output))
+    throw UsageError("-o " + arguments.output +
+                     ": pictures are PNG; give a name that ends in .png, or a folder with / at its end");
   if (!is_file && arguments.frame)
     throw UsageError("--frame is for one picture; give -o a name that ends in .png");
   if (!is_file && (!arguments.sheet.empty() || arguments.worst))

@@ -107,6 +107,25 @@ TEST_F(Render, WrongUseIsOneClearMessageAndWritesNothing) {
   EXPECT_EQ(read_text(still), "mine");
 }
 
+// Whatever its case, .png is a picture; names of other pictures and films are mistakes, unless the folder is
+// there or the name ends in a slash.
+TEST_F(Render, TheNameSaysWhetherItIsAPicture) {
+  ASSERT_EQ(render({"-o", folder_ / "A.PNG", "--frame", "0"}).status, 0);
+  EXPECT_TRUE(is_png(folder_ / "A.PNG"));
+  for (const char* name : {"a.jpg", "a.JPG", "a.Mov", "a.avi", "a.webm", "a.svg", "a.heic"}) {
+    expect_refused(render({"-o", folder_ / name}), 2, "pictures are PNG");
+    EXPECT_FALSE(fs::exists(folder_ / name)) << name;
+  }
+  ASSERT_EQ(render({"-o", folder_ / "one.mov/"}).status, 0);
+  EXPECT_TRUE(is_png(folder_ / "one.mov/0000.png"));
+  fs::create_directories(folder_ / "two.gif");
+  ASSERT_EQ(render({"-o", folder_ / "two.gif"}).status, 0);
+  EXPECT_TRUE(is_png(folder_ / "two.gif/0006.png"));
+  // No picture's extension.
+  ASSERT_EQ(render({"-o", folder_ / "shot.v2"}).status, 0);
+  EXPECT_TRUE(is_png(folder_ / "shot.v2/0000.png"));
+}
+
 TEST_F(Render, BakeWithoutItsModelOrFramesSaysSo) {
   fs::rename(fs::path(bake_) / "model.fascicle", folder_ / "model");
   expect_refused(render({"-o", folder_ / "a.png"}), 3, "model.fascicle");
