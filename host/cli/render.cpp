@@ -89,6 +89,8 @@ Plan plan_of(const RenderArguments& arguments) {
                      " is one picture; give -o a name that ends in .png");
   if (arguments.worst && arguments.frame)
     throw UsageError("--worst chooses frames itself; leave out --frame");
+  if (!arguments.sheet.empty() && arguments.frame)
+    throw UsageError("--sheet chooses frames itself; leave out --frame");
   if (arguments.worst && !arguments.sheet.empty())
     throw UsageError("--worst chooses frames itself; leave out --sheet");
   const bool is_sheet = !arguments.sheet.empty() || worst_of(arguments);

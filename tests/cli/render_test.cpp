@@ -94,6 +94,7 @@ TEST_F(Render, WrongUseIsOneClearMessageAndWritesNothing) {
   expect_refused(render({"-o", still, "--clip", "x=nan"}), 2, "not a number");
   expect_refused(render({"-o", still, "--clip", "x=-100"}), 2, "leaves no tetrahedron");
   expect_refused(render({"-o", still, "--sheet", "3"}), 2, "--sheet");
+  expect_refused(render({"-o", still, "--sheet", "3x2", "--frame", "1"}), 2, "leave out --frame");
   expect_refused(render({"-o", folder_ / "frames", "--frame", "1"}), 2, ".png");
   expect_refused(fascicle({"render", bake_, "-o", still, "--size", "0x9"}), 2, "--size");
   expect_refused(fascicle({"render", bake_, "-o", still, "--size", "10"}), 2, "--size");
