@@ -151,6 +151,16 @@ void write_png(const fs::path& path, const render::Image& image) {
   base::write_whole(fs::absolute(path), render::encode_png(image));
 }
 
+// Removes the pictures of an earlier run with more frames, as far as they follow the last one without a gap;
+// anything else in the folder is not ours. Returns how many.
+std::uint64_t remove_later_pictures(const fs::path& folder, std::uint64_t count) {
+  std::uint64_t removed = 0;
+  for (;; ++removed) {
+    const fs::path later = folder / frame_name(count + removed);
+    if (!fs::is_regular_file(later) || !fs::remove(later)) return removed;
+  }
+}
+
 // "bone #ede4cf"
 void print_legend(const render::Legend& legend) {
   const auto hex = [](const Eigen::Vector3f& colour) {
@@ -269,6 +279,10 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
     }
   }
   gallery.finish();
+  if (plan.form == Plan::Form::folder && arguments.overwrite)
+    if (const std::uint64_t removed = remove_later_pictures(arguments.output, plan.frames.size());
+        removed > 0)
+      log.info("removed " + count_text(removed) + " pictures of an earlier run with more frames");
   std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
     std::cout << ": " << count_text(plan.frames.size()) << " frames";

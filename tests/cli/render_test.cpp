@@ -87,6 +87,19 @@ TEST_F(Render, FolderHoldsAPictureAFrameAndASheetAllOfThem) {
   EXPECT_TRUE(is_png(folder_ / "sheet.png"));
 }
 
+// A folder holds one run: a shorter one leaves no pictures of a longer one behind, and what else is there
+// alone.
+TEST_F(Render, AShorterRunReplacesALongerOne) {
+  const std::string frames = folder_ / "frames";
+  ASSERT_EQ(render({"-o", frames}).status, 0);
+  for (const char* name : {"0007.png", "0008.png", "0020.png", "7.png", "00009.png"})
+    write_text(fs::path(frames) / name, name);
+  ASSERT_EQ(render({"-o", frames, "--overwrite"}).status, 0);
+  for (const char* name : {"0007.png", "0008.png"}) EXPECT_FALSE(fs::exists(fs::path(frames) / name)) << name;
+  for (const char* name : {"0000.png", "0006.png", "0020.png", "7.png", "00009.png"})
+    EXPECT_TRUE(fs::exists(fs::path(frames) / name)) << name;
+}
+
 TEST_F(Render, WrongUseIsOneClearMessageAndWritesNothing) {
   const std::string still = folder_ / "still.png";
   expect_refused(render({"-o", still, "--frame", "7"}), 2, "there are frames 0 to 6");
