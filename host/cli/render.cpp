@@ -139,12 +139,12 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
   }
 }
 
-// For the worst frames without a given number of columns: about as wide as high.
+// For the worst frames without a given number of columns: about as wide as high. No column stays empty.
 unsigned columns_of(const Plan& plan, const render::Image& cell) {
-  if (plan.sheet.width > 0) return plan.sheet.width;
   const double cells = static_cast<double>(plan.frames.size());
   const auto columns = static_cast<unsigned>(std::lround(std::sqrt(1.4 * cells * cell.height / cell.width)));
-  return std::clamp(columns, 1u, static_cast<unsigned>(plan.frames.size()));
+  return std::clamp(plan.sheet.width > 0 ? plan.sheet.width : columns, 1u,
+                    static_cast<unsigned>(plan.frames.size()));
 }
 
 void write_png(const fs::path& path, const render::Image& image) {

@@ -100,6 +100,20 @@ TEST_F(Render, AShorterRunReplacesALongerOne) {
     EXPECT_TRUE(fs::exists(fs::path(frames) / name)) << name;
 }
 
+// The bake has seven frames: a sheet is as wide as they are, not as wide as asked for.
+TEST_F(Render, ASheetHasNoEmptyColumns) {
+  const auto width = [&](const char* sheet) {
+    EXPECT_EQ(render({"-o", folder_ / "sheet.png", "--overwrite", "--sheet", sheet}).status, 0);
+    const std::string png = read_text(folder_ / "sheet.png");
+    unsigned value = 0;  // bytes 16 to 19, the highest first
+    for (std::size_t k = 16; k < 20; ++k) value = 256 * value + static_cast<unsigned char>(png.at(k));
+    return value;
+  };
+  EXPECT_EQ(width("100x1"), 7u * 160u);
+  EXPECT_EQ(width("9x3"), 7u * 160u);
+  EXPECT_EQ(width("3x2"), 3u * 160u);
+}
+
 TEST_F(Render, WrongUseIsOneClearMessageAndWritesNothing) {
   const std::string still = folder_ / "still.png";
   expect_refused(render({"-o", still, "--frame", "7"}), 2, "there are frames 0 to 6");
