@@ -143,6 +143,28 @@ TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   EXPECT_GE(seen["layers"].size(), 2u);
 }
 
+// A cube that slides down a slope, in a browser that loses its GPU.
+TEST(ViewPage, OfABodyThatTravels) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "slide.toml",
+             "[scene]\nfps = 23.976\nend = 1.5\n[bar]\nsize = [0.3, 0.3, 0.3]\nvertices = [3, 3, 3]\n"
+             "[layers.flesh]\nyoungs_modulus = 50e3\ndamping = 3.0\ndensity = 1000.0\n"
+             "[solver]\nintegrator = \"implicit\"\nsubsteps = \"auto\"\n"
+             "[collider.slope]\nshape = \"plane\"\ncenter = [0.0, -0.3, 0.0]\nnormal = [0.0, 1.0, 0.5]\n"
+             "friction = 0.0\n");
+  const json decoded = page_of(folder / "slide.toml", folder.path().string(), {});
+  ASSERT_TRUE(decoded.is_object());
+  const json seen = used_page("upsets.mjs", folder.path().string(), shots("view-upsets"), "");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["state"], "ready");
+  // After the loss the same picture comes back; an empty stage would differ by all that is shown.
+  EXPECT_GT(seen["background"].get<double>(), 0.05);
+  EXPECT_LT(seen["differs_after_loss"].get<double>(), 0.002);
+  // three.js logs both events, and nobody warns.
+  for (const json& text : seen["said"]) EXPECT_TRUE(text.get<std::string>().starts_with("log: ")) << text;
+}
+
 // The control: a truncated page reports it, and shows no body.
 TEST(ViewPage, OfDamagedDataSaysSo) {
   FASCICLE_NEEDS_CHROMIUM;

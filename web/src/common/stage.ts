@@ -77,6 +77,13 @@ export class Stage {
     this.sun.shadow.normalBias = 0.02;
     this.scene.add(this.sky, this.sun, this.sun.target, this.rim, this.rim.target, this.floor);
     this.orbit.listen(canvas);
+    // A browser takes the GPU away, on a driver's reset or from a page in the background, and gives it back.
+    // three.js uploads everything again.
+    canvas.addEventListener("webglcontextlost", () => (this.fence = null));
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.fence = null;
+      this.invalidate();
+    });
   }
 
   invalidate(): void {
@@ -176,7 +183,8 @@ export class Stage {
   private is_busy(): boolean {
     if (!this.fence) return false;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    // Null, as from a lost context, must not be waited for.
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.UNSIGNALED) return true;
     gl.deleteSync(this.fence);
     this.fence = null;
     this.spare(performance.now() - this.asked);

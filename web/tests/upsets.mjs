@@ -1,0 +1,64 @@
+// Opens a page of a body that travels far, and upsets it: node upsets.mjs PAGE.html FOLDER. The report says what was
+// seen.
+import { writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { drawn, open_browser, open_page } from "./browser.mjs";
+import { pixels_of } from "./png.mjs";
+
+const [file, folder] = process.argv.slice(2);
+const browser = await open_browser();
+const { page, said } = await open_page(browser);
+const report = { said };
+await page.goto(`file://${resolve(file)}`);
+await page.waitForFunction(() => document.documentElement.dataset.state !== undefined);
+report.state = await page.evaluate(() => document.documentElement.dataset.state);
+
+const RIM = 56;
+async function picture(name) {
+  await drawn(page);
+  await page.waitForTimeout(400); // a still picture is drawn once more, at full quality
+  await drawn(page);
+  const png = await page.screenshot({ clip: await page.locator("#picture").boundingBox() });
+  writeFileSync(join(folder, `${name}.png`), png);
+  return pixels_of(png);
+}
+const distance = (a, b) => Math.max(Math.abs(a[0] - b[0]), Math.abs(a[1] - b[1]), Math.abs(a[2] - b[2]));
+function differing(a, b) {
+  let count = 0;
+  for (let y = RIM; y < a.height - RIM; ++y)
+    for (let x = 0; x < a.width; ++x) if (distance(a.at(x, y), b.at(x, y)) > 3) ++count;
+  return count / (a.width * a.height);
+}
+
+await page.keyboard.press(" ");
+await page.keyboard.press("Home");
+const before = await picture("before");
+
+// The browser takes the GPU away while a picture is being drawn, and gives it back.
+await page.evaluate(async () => {
+  const frames = (count) =>
+    new Promise((done) => {
+      const next = () => (count-- > 0 ? requestAnimationFrame(next) : done());
+      next();
+    });
+  const canvas = document.getElementById("picture");
+  const loss = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+  const told = (event) => new Promise((done) => canvas.addEventListener(event, done, { once: true }));
+  document.getElementById("forward").click();
+  await frames(2);
+  const lost = told("webglcontextlost");
+  loss.loseContext();
+  await lost;
+  await frames(3);
+  const restored = told("webglcontextrestored");
+  loss.restoreContext();
+  await restored;
+  await frames(3);
+});
+await page.keyboard.press("Home");
+const after = await picture("after-loss");
+report.differs_after_loss = differing(before, after);
+// The control: an empty stage differs by the body and the floor.
+report.background = differing(before, { ...before, at: () => before.at(RIM, RIM) });
+writeFileSync(join(folder, "report.json"), JSON.stringify(report, null, 1));
+await browser.close();
