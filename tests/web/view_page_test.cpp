@@ -158,6 +158,9 @@ TEST(ViewPage, OfABodyThatTravels) {
   const json seen = used_page("upsets.mjs", folder.path().string(), shots("view-upsets"), "");
   ASSERT_TRUE(seen.is_object());
   EXPECT_EQ(seen["state"], "ready");
+  EXPECT_TRUE(contains(seen["subtitle"].get<std::string>(), "37 frames at 23.976 fps")) << seen["subtitle"];
+  // 36 / 23.976
+  EXPECT_TRUE(contains(seen["facts"].get<std::string>(), "Duration1.502 s")) << seen["facts"];
   // After the loss the same picture comes back; an empty stage would differ by all that is shown.
   EXPECT_GT(seen["background"].get<double>(), 0.05);
   EXPECT_LT(seen["differs_after_loss"].get<double>(), 0.002);

@@ -30,6 +30,9 @@ function differing(a, b) {
   return count / (a.width * a.height);
 }
 
+report.subtitle = await page.textContent("#subtitle");
+report.facts = await page.textContent("#facts");
+
 await page.keyboard.press(" ");
 await page.keyboard.press("Home");
 const before = await picture("before");
