@@ -143,7 +143,7 @@ TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   EXPECT_GE(seen["layers"].size(), 2u);
 }
 
-// A cube that slides down a slope, in a browser that loses its GPU.
+// A cube that slides down a slope, with a camera that follows it, in a browser that loses its GPU.
 TEST(ViewPage, OfABodyThatTravels) {
   FASCICLE_NEEDS_CHROMIUM;
   const TemporaryFolder folder;
@@ -164,6 +164,10 @@ TEST(ViewPage, OfABodyThatTravels) {
   // After the loss the same picture comes back; an empty stage would differ by all that is shown.
   EXPECT_GT(seen["background"].get<double>(), 0.05);
   EXPECT_LT(seen["differs_after_loss"].get<double>(), 0.002);
+  // The camera follows the cube down. At the end of the slope its page has a floor below it, lines and
+  // shadow.
+  EXPECT_TRUE(seen["follows"]);
+  EXPECT_GT(seen["floor_at_last"].get<double>(), 0.01);
   // three.js logs both events, and nobody warns.
   for (const json& text : seen["said"]) EXPECT_TRUE(text.get<std::string>().starts_with("log: ")) << text;
 }

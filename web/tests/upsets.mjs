@@ -63,5 +63,13 @@ const after = await picture("after-loss");
 report.differs_after_loss = differing(before, after);
 // The control: an empty stage differs by the body and the floor.
 report.background = differing(before, { ...before, at: () => before.at(RIM, RIM) });
+
+// The floor is under the body in the last frame too.
+await page.keyboard.press("End");
+report.follows = await page.isChecked("#follow");
+const last = await picture("last");
+await page.keyboard.press("n");
+report.floor_at_last = differing(last, await picture("last-without-floor"));
+await page.keyboard.press("n");
 writeFileSync(join(folder, "report.json"), JSON.stringify(report, null, 1));
 await browser.close();
