@@ -168,6 +168,19 @@ TEST(ViewPage, OfABodyThatTravels) {
   // shadow.
   EXPECT_TRUE(seen["follows"]);
   EXPECT_GT(seen["floor_at_last"].get<double>(), 0.01);
+  // Every control is on the screen of a phone, or scrolled to within what is, and the picture has room.
+  EXPECT_EQ(seen["sizes"].size(), 3u);
+  for (const auto& [size, page] : seen["sizes"].items()) {
+    EXPECT_LE(page["across"], 0) << size;
+    EXPECT_LE(page["down"], 0) << size;
+    EXPECT_GT(page["scrub"], 0.8) << size;
+    EXPECT_GE(page["picture"][0], 150) << size;
+    EXPECT_GE(page["picture"][1], 60) << size;
+    EXPECT_GE(page["aside"], 60) << size;
+    EXPECT_TRUE(page["scrolls"]) << size;
+    EXPECT_LE(page["under_footer"], 0) << size;
+    EXPECT_EQ(page["outside"], json::array()) << size;
+  }
   // three.js logs both events, and nobody warns.
   for (const json& text : seen["said"]) EXPECT_TRUE(text.get<std::string>().starts_with("log: ")) << text;
 }

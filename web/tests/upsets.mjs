@@ -71,5 +71,35 @@ const last = await picture("last");
 await page.keyboard.press("n");
 report.floor_at_last = differing(last, await picture("last-without-floor"));
 await page.keyboard.press("n");
+
+// A phone, upright and on its side, and a window as narrow as it is low.
+report.sizes = {};
+for (const [width, height] of [[390, 664], [740, 360], [390, 400]]) {
+  await page.setViewportSize({ width, height });
+  await drawn(page);
+  await page.screenshot({ path: join(folder, `${width}x${height}.png`) });
+  report.sizes[`${width}x${height}`] = await page.evaluate(() => {
+    const box = (query) => document.querySelector(query).getBoundingClientRect();
+    const aside = document.querySelector("aside");
+    const [main, footer] = [box("main"), box("footer")];
+    return {
+      across: document.documentElement.scrollWidth - window.innerWidth,
+      down: document.documentElement.scrollHeight - window.innerHeight,
+      scrub: box("#scrub").width / window.innerWidth,
+      picture: [box("#picture").width, box("#picture").height],
+      // How much of the display options shows above the footer; the rest is scrolled to.
+      aside: Math.min(box("aside").bottom, main.bottom, footer.top) - box("aside").top,
+      scrolls: aside.scrollHeight <= aside.clientHeight || getComputedStyle(aside).overflowY === "auto",
+      outside: [...document.querySelectorAll("footer button, footer input, footer select, header button")]
+        .filter((one) => {
+          const { left, right, top, bottom, width } = one.getBoundingClientRect();
+          const hidden = one.closest(".curves") !== null; // a list that scrolls
+          return width > 0 && !hidden && (left < 0 || right > innerWidth || top < 0 || bottom > innerHeight);
+        })
+        .map((one) => one.id),
+      under_footer: box("aside").bottom - footer.top,
+    };
+  });
+}
 writeFileSync(join(folder, "report.json"), JSON.stringify(report, null, 1));
 await browser.close();
