@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -353,6 +354,32 @@ TEST_F(RenderBesideSolid, ASlopeIsUnderTheBodyWhereverItGoes) {
     EXPECT_EQ(one.solid_below, 1.0) << more[1] << (more.size() > 2 ? " followed" : "");
     EXPECT_GT(one.skin, 0.05) << more[1] << (more.size() > 2 ? " followed" : "");
   }
+}
+
+// On a block of 40 m the bar throws the shadow that it throws on a plane at the same height.
+TEST_F(RenderBesideSolid, ALargeBlockShowsTheBodysShadow) {
+  const auto foreground = [&](const std::string& collider) {
+    bake_beside(collider, "0.1");
+    (void)shown({"--frame", "0"});
+    std::vector<std::uint8_t> rgb = pixels_of(folder_ / "a.png").rgb;
+    // The lowest 50 of 160 rows: the plane and the block end at different distances.
+    rgb.erase(rgb.begin(), rgb.begin() + std::ptrdiff_t{110} * 160 * 3);
+    return rgb;
+  };
+  // Too steep for a floor, which has the backdrop's colour.
+  const std::vector<std::uint8_t> plane =
+      foreground("shape = \"plane\"\ncenter = [0.0, -0.16, 0.0]\nnormal = [0.0, 1.0, 0.016]\n");
+  fs::remove_all(folder_ / "bake");
+  const std::vector<std::uint8_t> block =
+      foreground("shape = \"box\"\ncenter = [0.0, -20.16, 0.0]\nsize = [40.0, 40.0, 40.0]\n");
+  std::size_t differing = 0, dark = 0;
+  for (std::size_t k = 0; k < plane.size(); k += 3) {
+    differing += std::abs(plane[k] - block[k]) > 12 ? 1u : 0u;
+    dark += plane[k] < plane[k + 2] && plane[k] < 120 ? 1u : 0u;
+  }
+  // The slope, and lamps that the block does not shade, make a small difference at the shadow's rim.
+  EXPECT_LT(static_cast<double>(differing), 0.01 * static_cast<double>(plane.size()) / 3.0);
+  EXPECT_GT(static_cast<double>(dark), 0.03 * static_cast<double>(plane.size()) / 3.0);
 }
 
 // A block of 40 m whose near side is between the bar and the camera, which is in the block.
