@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "host/base/errors.h"
 #include "host/cli/text.h"
 #include "host/render/solid_shapes.h"
 
@@ -79,16 +80,23 @@ Eigen::Vector3d center_of(std::span<const float> positions) {
   return sum / static_cast<double>(count);
 }
 
+// The flesh as it is drawn.
+std::vector<float> drawn_points(DrawnFrames& frames, const render::BodyDrawing& drawing, std::uint64_t k) {
+  return drawing.draws_tetrahedra() ? frames.positions(k) : frames.surface(k);
+}
+
 // That point in a frame. With --compare, both sides share one camera, which must not depend on the flesh.
-Eigen::Vector3d followed(DrawnFrames& frames, const RenderArguments& arguments, std::uint64_t k) {
-  return center_of(arguments.compare ? frames.skinned_surface(k) : frames.positions(k));
+Eigen::Vector3d followed(DrawnFrames& frames, const render::BodyDrawing& drawing,
+                         const RenderArguments& arguments, std::uint64_t k) {
+  return center_of(arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k));
 }
 
 // The points that must be in view.
 class Survey {
  public:
-  Survey(DrawnFrames& frames, const RenderArguments& arguments, std::span<const std::uint64_t> shown)
-      : frames_(frames), arguments_(arguments), shown_(shown.begin(), shown.end()) {
+  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const RenderArguments& arguments,
+         std::span<const std::uint64_t> shown)
+      : frames_(frames), drawing_(drawing), arguments_(arguments), shown_(shown.begin(), shown.end()) {
     if (shown_.empty()) shown_ = survey_frames(frames.count());
     if (!arguments.compare) return;
     for (const std::uint64_t k : shown_) {
@@ -105,8 +113,8 @@ class Survey {
   void visit(Visit visit) const {
     for (const std::uint64_t k : shown_) {
       const Eigen::Vector3d from = center(k);
-      const std::vector<float> positions = frames_.positions(k);
-      each(positions, from, [&](const Eigen::Vector3d& p) {
+      const std::vector<float> points = drawn_points(frames_, drawing_, k);
+      each(points, from, [&](const Eigen::Vector3d& p) {
         visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p);
       });
       if (!arguments_.compare) continue;
@@ -117,7 +125,8 @@ class Survey {
 
  private:
   Eigen::Vector3d center(std::uint64_t k) const {
-    return arguments_.follow ? followed(frames_, arguments_, k) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    return arguments_.follow ? followed(frames_, drawing_, arguments_, k)
+                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
   template <class Visit>
   static void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) {
@@ -125,6 +134,7 @@ class Survey {
   }
 
   DrawnFrames& frames_;
+  const render::BodyDrawing& drawing_;
   const RenderArguments& arguments_;
   std::vector<std::uint64_t> shown_;
   Eigen::AlignedBox3d box_;
@@ -180,6 +190,19 @@ double natural_scale(DrawnFrames& frames, const ValuesOf& values_of) {
   return most > 0.0f ? round_up(double{most}) : 1e-3;
 }
 
+// Why the scene's solids cannot be drawn; empty if they can. A bake's folder does not hold the inputs of its
+// scene.
+std::string why_solids_are_unknown(DrawnFrames& frames) {
+  try {
+    (void)frames.solids(0);
+  } catch (const base::SceneError& error) {
+    return error.what();
+  } catch (const base::BakeError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 }  // namespace
 
 Size size_of(const std::string& text, const std::string& option, unsigned most) {
@@ -227,7 +250,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
     throw UsageError(error.what());
   }
   legend_ = drawing_->legend();
-  const Survey survey(frames, arguments, shown);
+  const Survey survey(frames, *drawing_, arguments, shown);
   const Extent extent = extent_of(survey, view);
   const Size size =
       arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
@@ -235,33 +258,46 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   survey.visit([&](const Eigen::Vector3d& p) { fit.include(p); });
   camera_ = fit.camera(arguments.zoom);
   backdrop_.ground = extent.lowest;
-  for (const scene::Solid& solid : frames.solids(0))
-    if (is_floor(solid)) backdrop_.ground = height_of(solid);
+  why_no_solids_ = why_solids_are_unknown(frames);
+  if (!why_no_solids_.empty()) {
+    log.warning("the scene's solids are not shown: " + why_no_solids_);
+  } else {
+    for (const scene::Solid& solid : frames.solids(0))
+      if (is_floor(solid)) backdrop_.ground = height_of(solid);
+  }
   middle_ = extent.world.center();
   reach_ = 1.5 * extent.world.diagonal().norm();
 }
 
-render::Camera Artist::camera_at(std::uint64_t k) const {
-  render::Camera camera = camera_;
-  if (arguments_.follow) camera.eye += followed(frames_, arguments_, k);
-  return camera;
+// How far the camera has moved with the body.
+Eigen::Vector3d Artist::way_at(std::uint64_t k) const {
+  return arguments_.follow ? followed(frames_, *drawing_, arguments_, k)
+                           : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-std::vector<render::Shape> Artist::solids_at(std::uint64_t k) const {
+std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vector3d& way,
+                                             const Eigen::Vector3d& eye) const {
+  if (!why_no_solids_.empty()) return {};
   std::vector<render::Shape> shapes;
   for (const scene::Solid& solid : frames_.solids(k)) {
     if (is_floor(solid) && backdrop_.ground == height_of(solid)) continue;
+    // From inside it would hide the body.
+    if (scene::distance_to(solid, eye) < 0.0) continue;
     shapes.push_back(render::solid_shape(
-        {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_, reach_));
+        {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_ + way, reach_));
+    // Shadow maps as wide as a solid that is a floor or a wall would have no texels left for the body.
+    if (solid.half_size.maxCoeff() > reach_) shapes.back().casts_shadow = false;
   }
   return shapes;
 }
 
 render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
                            std::span<const float> surface) const {
-  const render::Camera camera = camera_at(k);
+  const Eigen::Vector3d way = way_at(k);
+  render::Camera camera = camera_;
+  camera.eye += way;
   std::vector<render::Shape> shapes = drawing_->shapes(positions, lag, camera.eye.cast<float>(), surface);
-  for (render::Shape& solid : solids_at(k)) shapes.push_back(std::move(solid));
+  for (render::Shape& solid : solids_at(k, way, camera.eye)) shapes.push_back(std::move(solid));
   return render::render(shapes, camera, backdrop_, arguments_.threads);
 }
 
@@ -282,10 +318,16 @@ std::vector<float> Artist::contact_depths(std::span<const float> positions) cons
 }
 
 render::Image Artist::picture(std::uint64_t k) const {
-  const std::vector<float> positions = frames_.positions(k);
-  if (overlap_) return draw(k, positions, contact_depths(positions), {});
+  const bool draws_tetrahedra = drawing_->draws_tetrahedra();
   const bool needs_lag = arguments_.mode == render::Mode::lag;
-  return draw(k, positions, needs_lag ? frames_.lag(k) : std::vector<float>(), {});
+  const std::vector<float> positions =
+      draws_tetrahedra || overlap_ ? frames_.positions(k) : std::vector<float>();
+  const std::vector<float> surface = draws_tetrahedra ? std::vector<float>() : frames_.surface(k);
+  return draw(k, positions,
+              overlap_    ? contact_depths(positions)
+              : needs_lag ? frames_.lag(k)
+                          : std::vector<float>(),
+              surface);
 }
 
 render::Image Artist::skinned_picture(std::uint64_t k) const {

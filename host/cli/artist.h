@@ -35,19 +35,22 @@ class Artist {
 
   const render::BodyDrawing& drawing() const { return *drawing_; }
   const render::Legend& legend() const { return legend_; }
+  // Empty if the scene's solids are drawn.
+  const std::string& why_no_solids() const { return why_no_solids_; }
 
   render::Image picture(std::uint64_t k) const;
   // The same view of skinning alone.
   render::Image skinned_picture(std::uint64_t k) const;
 
  private:
-  render::Camera camera_at(std::uint64_t k) const;
+  Eigen::Vector3d way_at(std::uint64_t k) const;
   render::Image draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
                      std::span<const float> surface) const;
 
   const RenderArguments& arguments_;
   DrawnFrames& frames_;
-  std::vector<render::Shape> solids_at(std::uint64_t k) const;
+  std::vector<render::Shape> solids_at(std::uint64_t k, const Eigen::Vector3d& way,
+                                       const Eigen::Vector3d& eye) const;
 
   // m, per vertex; negative outside other flesh.
   std::vector<float> contact_depths(std::span<const float> positions) const;
@@ -57,9 +60,11 @@ class Artist {
   std::optional<render::BodyDrawing> drawing_;
   render::Legend legend_;
   render::Camera camera_;
-  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // centre of the view's content, and its reach
+  // Centre of the view's content before the camera follows the body, and its reach.
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   double reach_ = 0.0;
   render::Backdrop backdrop_;
+  std::string why_no_solids_;
 };
 
 }  // namespace fascicle::cli

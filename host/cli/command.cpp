@@ -1,5 +1,6 @@
 #include "host/cli/command.h"
 
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "host/base/nearest_name.h"
 #include "host/build/cache.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/text.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
@@ -32,6 +34,32 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
       ->option_text("text|json|openjd");
 }
 
+namespace {
+
+template <class IsWanted>
+CLI::Validator finite_number(const IsWanted& is_wanted, const std::string& wanted) {
+  return CLI::Validator(
+      [is_wanted, wanted](const std::string& text) {
+        double value = 0.0;
+        const bool is_right =
+            CLI::detail::lexical_cast(text, value) && std::isfinite(value) && is_wanted(value);
+        return is_right ? std::string() : "\"" + text + "\" is not a number " + wanted;
+      },
+      "");
+}
+
+}  // namespace
+
+CLI::Validator number_from(double least, double most) {
+  return finite_number([=](double value) { return value >= least && value <= most; },
+                       "from " + number_text(least) + " to " + number_text(most));
+}
+
+CLI::Validator positive_number(double most) {
+  return finite_number([=](double value) { return value > 0.0 && value <= most; },
+                       "above 0 and up to " + number_text(most));
+}
+
 void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {
   auto* stride =
       subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; default: 1");
@@ -40,20 +68,20 @@ void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {
       .add_option("--glb-error", glb.error,
                   "glb: use as few morph targets as keep every displayed frame within M metres of the bake; "
                   "0.002 is a good start")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(number_from(0.0, 1e6))
       ->excludes(stride)
       ->option_text("M");
   subcommand
       .add_option("--glb-tolerance", glb.tolerance,
                   "glb: leave vertices within M metres of skinning to skinning; default: a millionth of the "
                   "body's diagonal")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(number_from(0.0, 1e6))
       ->option_text("M");
   subcommand
       .add_option("--glb-compress", glb.compress,
                   "glb: for viewers on the web, quantise so that no vertex moves by more than M metres, and "
                   "compress (EXT_meshopt_compression, which Blender does not read); 0.0005 is a good start")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number(1e6))
       ->option_text("M");
 }
 

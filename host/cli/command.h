@@ -40,6 +40,11 @@ void add_studio(CLI::App& app, Command& command);
 void add_report(CLI::App& app, Command& command);
 void add_manual(CLI::App& app, Command& command);
 
+// Refuse an option's text that is not a number, not finite, or not from `least` to `most`; or not above 0.
+// CLI11's own ranges let NaN pass.
+CLI::Validator number_from(double least, double most);
+CLI::Validator positive_number(double most);
+
 // -q, -v, --log-format
 void add_log_options(CLI::App& subcommand, LogOptions& log);
 

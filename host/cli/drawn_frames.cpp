@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "host/bake/finished_bake.h"
+#include "host/base/errors.h"
 #include "host/cli/looks.h"
 #include "host/formats/character_file.h"
 #include "host/formats/surface.h"
@@ -29,7 +31,7 @@ scene::Scene load_named(const SceneArguments& input) {
 
 }  // namespace
 
-DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
+DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) : log_(log) {
   if (fs::is_directory(arguments.input.name)) {
     folder_ = arguments.input.name;
     bake_.emplace(folder_);
@@ -49,6 +51,30 @@ std::vector<float> DrawnFrames::positions(std::uint64_t k) const {
   if (!bake_) return formats::world_positions(built_.rest, built_.unit, built_.rest_origin);
   const model::Frame frame = bake_->frame(k);
   return formats::world_positions(frame.positions, bake_->model().unit, frame.origin);
+}
+
+std::vector<float> DrawnFrames::surface(std::uint64_t k) {
+  if (!bake_)
+    return formats::world_positions(formats::embed(built_, built_.rest), built_.unit, built_.rest_origin);
+  const model::Frame frame = bake_->frame(k);
+  std::vector<float> surface = formats::embed(bake_->model(), frame.positions);
+  if (!has_read_shapes_) read_shapes();
+  if (shapes_) shapes_->add_to(k, surface);
+  return formats::world_positions(surface, bake_->model().unit, frame.origin);
+}
+
+void DrawnFrames::read_shapes() {
+  has_read_shapes_ = true;
+  // Without its file a character is drawn as the flesh carries it.
+  if (character_.empty() || !fs::exists(character_)) return;
+  const auto warn = [&](const std::string& fault) { log_.warning(fault + "; blend shapes are not drawn"); };
+  try {
+    bake::read_kept(folder_, [&] { shapes_.emplace(character_, bake_->model(), bake_->fps()); });
+  } catch (const base::SceneError& error) {
+    warn(error.what());
+  } catch (const base::BakeError& error) {
+    warn(error.what());
+  }
 }
 
 std::vector<float> DrawnFrames::skinned_vertices(std::uint64_t k) {

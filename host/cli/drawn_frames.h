@@ -7,6 +7,7 @@
 
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
+#include "host/formats/shaped_surface.h"
 #include "host/formats/skinned_surface.h"
 #include "host/model/model.h"
 #include "host/pipeline/open_bake.h"
@@ -31,6 +32,9 @@ class DrawnFrames {
 
   // The flesh: the model's vertices, metres, 3 floats per vertex.
   std::vector<float> positions(std::uint64_t k) const;
+  // The render mesh that the flesh carries, with the file's blend shapes in that frame, metres, 3 floats per
+  // vertex. Warns, once, if the shapes cannot be read.
+  std::vector<float> surface(std::uint64_t k);
   // For a bake, in metres, 3 floats per vertex: the skinned vertices of the model and of the render mesh.
   // Without a skeleton, both are at rest.
   std::vector<float> skinned_vertices(std::uint64_t k);
@@ -45,9 +49,14 @@ class DrawnFrames {
   std::optional<render::Looks> looks(Log& log) const;
 
  private:
+  void read_shapes();
+
+  Log& log_;
   std::filesystem::path folder_, character_;  // a bake's folder; the glTF file, empty if none
   std::optional<OpenBake> bake_;
   std::optional<formats::SkinnedSurface> skin_;
+  std::optional<formats::ShapedSurface> shapes_;
+  bool has_read_shapes_ = false;
   model::Model built_;
   std::vector<scene::Solid> built_solids_;
 };

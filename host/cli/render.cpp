@@ -14,6 +14,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
+#include "host/base/file.h"
 #include "host/base/part_file.h"
 #include "host/cli/artist.h"
 #include "host/cli/command.h"
@@ -63,14 +64,24 @@ std::optional<std::uint64_t> worst_of(const RenderArguments& arguments) {
   return arguments.compare && !says_which ? std::optional(default_worst) : std::nullopt;
 }
 
+// Names of pictures and films in other formats.
+bool is_other_medium(const std::string& extension) {
+  for (const char* other :
+       {".apng", ".avi", ".avif", ".bmp", ".dds", ".dpx", ".exr",  ".gif",  ".hdr",  ".heic", ".jpe", ".jpeg",
+        ".jpg",  ".jxl", ".m4v",  ".mkv", ".mov", ".mp4", ".mpeg", ".mpg",  ".ogv",  ".pdf",  ".pgm", ".pnm",
+        ".ppm",  ".psd", ".qoi",  ".svg", ".tga", ".tif", ".tiff", ".webm", ".webp", ".wmv"})
+    if (extension == other) return true;
+  return false;
+}
+
 Plan plan_of(const RenderArguments& arguments) {
   Plan plan;
-  const bool is_file = fs::path(arguments.output).extension() == ".png";
-  const std::string extension = fs::path(arguments.output).extension().string();
-  for (const char* other : {".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".exr", ".webp", ".mp4"})
-    if (extension == other)
-      throw UsageError("-o " + arguments.output +
-                       ": pictures are PNG; give a name that ends in .png, or a folder");
+  const std::string extension = base::lower_extension(arguments.output);
+  const bool is_file = extension == ".png";
+  // A name that ends in / has no extension.
+  if (is_other_medium(extension) && !fs::is_directory(arguments.output))
+    throw UsageError("-o " + arguments.output +
+                     ": pictures are PNG; give a name that ends in .png, or a folder with / at its end");
   if (!is_file && arguments.frame)
     throw UsageError("--frame is for one picture; give -o a name that ends in .png");
   if (!is_file && (!arguments.sheet.empty() || arguments.worst))
@@ -78,6 +89,8 @@ Plan plan_of(const RenderArguments& arguments) {
                      " is one picture; give -o a name that ends in .png");
   if (arguments.worst && arguments.frame)
     throw UsageError("--worst chooses frames itself; leave out --frame");
+  if (!arguments.sheet.empty() && arguments.frame)
+    throw UsageError("--sheet chooses frames itself; leave out --frame");
   if (arguments.worst && !arguments.sheet.empty())
     throw UsageError("--worst chooses frames itself; leave out --sheet");
   const bool is_sheet = !arguments.sheet.empty() || worst_of(arguments);
@@ -126,16 +139,26 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
   }
 }
 
-// For the worst frames without a given number of columns: about as wide as high.
+// For the worst frames without a given number of columns: about as wide as high. No column stays empty.
 unsigned columns_of(const Plan& plan, const render::Image& cell) {
-  if (plan.sheet.width > 0) return plan.sheet.width;
   const double cells = static_cast<double>(plan.frames.size());
   const auto columns = static_cast<unsigned>(std::lround(std::sqrt(1.4 * cells * cell.height / cell.width)));
-  return std::clamp(columns, 1u, static_cast<unsigned>(plan.frames.size()));
+  return std::clamp(plan.sheet.width > 0 ? plan.sheet.width : columns, 1u,
+                    static_cast<unsigned>(plan.frames.size()));
 }
 
 void write_png(const fs::path& path, const render::Image& image) {
   base::write_whole(fs::absolute(path), render::encode_png(image));
+}
+
+// Removes the pictures of an earlier run with more frames, as far as they follow the last one without a gap;
+// anything else in the folder is not ours. Returns how many.
+std::uint64_t remove_later_pictures(const fs::path& folder, std::uint64_t count) {
+  std::uint64_t removed = 0;
+  for (;; ++removed) {
+    const fs::path later = folder / frame_name(count + removed);
+    if (!fs::is_regular_file(later) || !fs::remove(later)) return removed;
+  }
 }
 
 // "bone #ede4cf"
@@ -256,6 +279,10 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
     }
   }
   gallery.finish();
+  if (plan.form == Plan::Form::folder && arguments.overwrite)
+    if (const std::uint64_t removed = remove_later_pictures(arguments.output, plan.frames.size());
+        removed > 0)
+      log.info("removed " + count_text(removed) + " pictures of an earlier run with more frames");
   std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
     std::cout << ": " << count_text(plan.frames.size()) << " frames";
@@ -308,18 +335,19 @@ void add_render(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--lag-scale", arguments->lag_scale,
                    "Lag, or depth with --mode contact, at the end of the colour scale, mm")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number(1e9))
       ->option_text("MM");
   subcommand->add_option("--view", arguments->view, "three-quarter, front, side or back")
       ->check(CLI::IsMember({"three-quarter", "front", "side", "back"}).description(""))
       ->option_text("VIEW");
   subcommand->add_option("--turn", arguments->turn, "Angle of the camera around the body, degrees")
+      ->check(number_from(-1e6, 1e6))
       ->option_text("DEGREES");
   subcommand->add_option("--tilt", arguments->tilt, "Elevation of the camera, degrees; -80 to 80")
-      ->check(CLI::Range(-80.0, 80.0).description(""))
+      ->check(number_from(-80.0, 80.0))
       ->option_text("DEGREES");
   subcommand->add_option("--zoom", arguments->zoom, "2 shows the middle half of the picture")
-      ->check(CLI::Range(0.1, 100.0).description(""))
+      ->check(number_from(0.1, 100.0))
       ->option_text("FACTOR");
   subcommand->add_flag("--follow", arguments->follow, "The camera follows the body");
   subcommand->add_option("--size", arguments->size, "Size in pixels; default: fits the motion")

@@ -137,6 +137,9 @@ bool draw(const ReportArguments& arguments, Report& report, Log& log) {
     report.lacks = "Skinning alone is not shown: " + why;
   const std::vector<std::uint64_t> shown = shown_frames(report);
   const Artist artist(drawing, frames, shown, picture_height, log);
+  if (!artist.why_no_solids().empty())
+    report.lacks += (report.lacks.empty() ? "The" : ". The") +
+                    (" scene's solids are not shown: " + artist.why_no_solids());
   Progress progress(log, "drawing", shown.size() + 1);
   for (const std::uint64_t k : shown) {
     if (interrupts()) return false;

@@ -49,13 +49,13 @@ ExitCode view(const ViewArguments& arguments, Log& log) {
   if (arguments.error) options.error = 1e-3 * *arguments.error;
   options.interrupted = &interrupts();
   std::unique_ptr<Progress> progress;
-  options.on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
-    if (!progress) progress = std::make_unique<Progress>(log, "reading", frames);
-    progress->update(frame);
+  options.on_step = [&](std::uint64_t done, std::uint64_t steps) {
+    if (!progress) progress = std::make_unique<Progress>(log, "page", steps);
+    progress->update(done);
   };
   const page::PageResult result = page::page_of_bake(options);
   log.clear_bar();
-  if (result.interrupted) {
+  if (result.interrupted || interrupts()) {
     log.warning("interrupted; no page was written");
     return ExitCode::interrupted;
   }
@@ -89,7 +89,7 @@ void add_view(CLI::App& app, Command& command) {
       ->add_option("--error", arguments->error,
                    "Quantise so that no vertex moves by more than MM millimetres; default: a 20,000th of the "
                    "body's longest side")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number(1e6))
       ->option_text("MM");
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace an existing page");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -180,7 +181,8 @@ class BakePage {
  private:
   bool read_frames();
   void quantise();
-  std::string code();
+  std::optional<std::string> code();  // nothing if interrupted
+  bool goes_on();
   ordered_json description() const;
 
   const PageOptions& options_;
@@ -193,18 +195,30 @@ class BakePage {
   Grid grid_;
   std::vector<std::vector<Cell>> flesh_cells_, ghost_cells_;
   std::uint32_t places_ = 0;
+  std::uint64_t steps_ = 0, steps_done_ = 0;
   PageResult result_;
 };
+
+// After a step. False if interrupted.
+bool BakePage::goes_on() {
+  ++steps_done_;
+  if (options_.on_step) options_.on_step(steps_done_, steps_);
+  return options_.interrupted == nullptr || !options_.interrupted->load();
+}
 
 bool BakePage::read_frames() {
   const model::Model& model = bake_.model();
   const auto world = [&](const std::vector<float>& positions, const std::array<double, 3>& origin) {
     return picked(formats::world_positions(positions, model.unit, origin), used_.source);
   };
-  if (!bake_.character().empty() && !surface_.is_tetrahedra) {
+  const bool is_skinned = !bake_.character().empty() && !surface_.is_tetrahedra;
+  steps_ = (is_skinned ? 3 : 2) * bake_.frame_count();
+  if (is_skinned) {
     const formats::SkinnedSurface skinned(bake_.character(), model, bake_.header().fps);
-    for (std::uint64_t k = 0; k < bake_.frame_count(); ++k)
+    for (std::uint64_t k = 0; k < bake_.frame_count(); ++k) {
       ghost_.push_back(picked(skinned.positions(k), used_.source));
+      if (!goes_on()) return false;
+    }
   } else {
     ghost_.push_back(
         world(surface_.is_tetrahedra ? model.rest : formats::embed(model, model.rest), model.rest_origin));
@@ -212,8 +226,7 @@ bool BakePage::read_frames() {
   for (std::uint64_t k = 0; k < bake_.frame_count(); ++k) {
     const model::Frame frame = bake_.frame(k);
     flesh_.push_back(world(surface_.is_tetrahedra ? frame.positions : frame.surface, frame.origin));
-    if (options_.on_frame) options_.on_frame(k, bake_.header().frames);
-    if (options_.interrupted != nullptr && options_.interrupted->load()) return false;
+    if (!goes_on()) return false;
   }
   return true;
 }
@@ -235,7 +248,7 @@ void BakePage::quantise() {
   result_.error = grid_.error();
 }
 
-std::string BakePage::code() {
+std::optional<std::string> BakePage::code() {
   // Number the places: equal points share one, and neighbours get nearby numbers.
   const std::vector<std::uint32_t> first = first_alike(flesh_cells_, ghost_cells_);
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -313,6 +326,7 @@ std::string BakePage::code() {
       ghost.put(to, ghost_now);
     }
     flesh.put(to, at_places(flesh_cells_[k]), ghost_now);
+    if (!goes_on()) return std::nullopt;
   }
   return to.finish();
 }
@@ -398,9 +412,13 @@ PageResult BakePage::go() {
     return std::move(result_);
   }
   quantise();
-  const std::string bytes = code();
+  const std::optional<std::string> bytes = code();
+  if (!bytes) {
+    result_.interrupted = true;
+    return std::move(result_);
+  }
   ordered_json json = description();
-  json["motion"] = base64(bytes);
+  json["motion"] = base64(*bytes);
   result_.html = filled_bundle(html_text(base::shown_text(bake_.manifest().scene_name)), script_json(json));
   return std::move(result_);
 }

@@ -14,8 +14,9 @@ namespace fascicle::page {
 struct PageOptions {
   std::filesystem::path bake;     // folder of the bake
   std::optional<double> error{};  // m: limit per vertex; none: a 20,000th of the body's extent
-  const std::atomic<bool>* interrupted = nullptr;  // polled once per frame
-  std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};
+  const std::atomic<bool>* interrupted = nullptr;  // polled after each step
+  // Steps: each frame is skinned, read and coded.
+  std::function<void(std::uint64_t done, std::uint64_t steps)> on_step = {};
 };
 
 struct PageResult {

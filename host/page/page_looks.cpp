@@ -68,6 +68,13 @@ PageLooks plain_looks(const model::Model& model) {
   return looks;
 }
 
+// A page's textures are not multiplied by the base colour's alpha, so the cutoff is divided by it.
+double texture_cutoff(const gltf::LookMaterial& material) {
+  constexpr double all = 2.0;  // more than any alpha
+  if (material.alpha_cutoff <= 0.0) return 0.0;
+  return material.base_colour[3] > 0.0 ? std::min(material.alpha_cutoff / material.base_colour[3], all) : all;
+}
+
 std::uint8_t colour_byte(double linear) {
   return render::byte_of_linear(static_cast<float>(linear));
 }
@@ -98,7 +105,7 @@ PageLooks page_looks(const std::filesystem::path& character, const model::Model&
     looks.materials.push_back(
         {.name = material.name,
          .colour = {material.base_colour[0], material.base_colour[1], material.base_colour[2]},
-         .cutoff = material.alpha_cutoff,
+         .cutoff = texture_cutoff(material),
          .texture = material.texture < 0 ? -1 : numbers[static_cast<std::size_t>(material.texture)]});
   bool has_uvs = false, has_colours = false;
   for (const gltf::PartLooks& part : read.parts) {

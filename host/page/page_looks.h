@@ -20,7 +20,7 @@ struct PageTexture {
 struct PageMaterial {
   std::string name;
   std::array<double, 3> colour{1.0, 1.0, 1.0};  // linear; multiplies the texture
-  double cutoff = 0.0;                          // cut out where alpha is lower; 0: off
+  double cutoff = 0.0;                          // cut out where the texture's alpha is lower; 0: off
   std::int32_t texture = -1;                    // index; -1: none
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/base/parallel.h"
+#include "host/render/cover.h"
 #include "host/render/scan.h"
 
 namespace fascicle::render {
@@ -87,7 +88,8 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
       place.push_back(to_grid(half + scale_ * d.dot(right_), half + scale_ * d.dot(up_)));
       height.push_back(d.dot(towards_));
     }
-    for (const auto& t : shape.triangles) {
+    for (std::uint32_t number = 0; number < shape.triangles.size(); ++number) {
+      const auto& t = shape.triangles[number];
       if (!place[t[0]] || !place[t[1]] || !place[t[2]]) continue;
       const std::array<GridPoint, 3> corners{*place[t[0]], *place[t[1]], *place[t[2]]};
       // The centre of texel k is at k + 1/2. Most triangles are smaller than a texel and contain no centre.
@@ -102,15 +104,18 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
       const auto edges = edges_of(corners);
       if (!edges) continue;
       const float scale = 1.0f / static_cast<float>(edges->area);
+      const Cover cover(shape, number, *edges, 1.0f);
       for (std::int64_t y = first_y; y <= last_y; ++y)
         for (std::int64_t x = first_x; x <= last_x; ++x) {
           std::array<std::int64_t, 3> e;
           for (std::size_t k = 0; k < 3; ++k)
             e[k] = edges->value(k, x * grid + grid / 2, y * grid + grid / 2);
           if (!edges->covers(e[0], e[1], e[2])) continue;
-          const float h = (static_cast<float>(e[0]) * height[t[0]] + static_cast<float>(e[1]) * height[t[1]] +
-                           static_cast<float>(e[2]) * height[t[2]]) *
-                          scale;
+          const std::array<float, 3> share{static_cast<float>(e[0]), static_cast<float>(e[1]),
+                                           static_cast<float>(e[2])};
+          if (cover.has_holes() && cover.is_hole(scale * Vector3f(share[0], share[1], share[2]))) continue;
+          const float h =
+              (share[0] * height[t[0]] + share[1] * height[t[1]] + share[2] * height[t[2]]) * scale;
           float& nearest = height_[static_cast<std::size_t>(y * size_ + x)];
           nearest = std::max(nearest, h);
         }

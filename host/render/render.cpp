@@ -12,6 +12,8 @@
 
 #include "host/base/parallel.h"
 #include "host/render/colour.h"
+#include "host/render/cover.h"
+#include "host/render/facets.h"
 #include "host/render/light.h"
 #include "host/render/scan.h"
 
@@ -19,7 +21,6 @@ namespace fascicle::render {
 
 namespace {
 
-constexpr unsigned band_rows = 8;
 constexpr unsigned patch_columns = 8;  // of a band: the floor's light is found once for all its pixels
 
 // Positions of a pixel's samples, from its corner.
@@ -33,109 +34,6 @@ constexpr std::array<GridPoint, 16> spread_points = [] {
       points[static_cast<std::size_t>(4 * a + b)] = {(4 * a + b) * 16 + 8, (4 * b + a) * 16 + 8};
   return points;
 }();
-
-struct Corner {
-  GridPoint place;
-  float nearness = 0.0f;  // 1 / distance; 0: not drawable
-};
-
-// A triangle as the camera sees it.
-struct Facet {
-  std::array<Corner, 3> corners;
-  std::uint32_t shape = 0, triangle = 0;  // index of the shape, index of the triangle in it
-};
-
-struct Facets {
-  std::span<const Shape> shapes;
-  std::vector<Facet> facets;          // in the order of shapes and triangles
-  std::vector<std::uint32_t> number;  // index of each facet among all triangles of all shapes
-  std::vector<std::vector<std::uint32_t>> of_band;
-};
-
-Facets project(std::span<const Shape> shapes, const Camera& camera) {
-  Facets result;
-  result.shapes = shapes;
-  result.of_band.resize((camera.height + band_rows - 1) / band_rows);
-  std::vector<Corner> corners;
-  std::uint32_t number = 0;
-  for (std::uint32_t s = 0; s < shapes.size(); ++s) {
-    corners.clear();
-    for (const Vector3f& position : shapes[s].positions) {
-      const Vector3d p = camera.project(position.cast<double>());
-      const auto place = to_grid(p.x(), p.y());
-      corners.push_back(p.z() > 1e-6 && place ? Corner{*place, static_cast<float>(1.0 / p.z())} : Corner{});
-    }
-    for (std::uint32_t t = 0; t < shapes[s].triangles.size(); ++t, ++number) {
-      const auto& triangle = shapes[s].triangles[t];
-      const Facet facet{{corners[triangle[0]], corners[triangle[1]], corners[triangle[2]]}, s, t};
-      const auto& [a, b, c] = facet.corners;
-      if (a.nearness == 0.0f || b.nearness == 0.0f || c.nearness == 0.0f) continue;
-      const auto [low, high] = std::minmax({a.place.y, b.place.y, c.place.y});
-      const std::int64_t rows = grid * band_rows;
-      const std::int64_t first = std::max<std::int64_t>(0, low / rows);
-      const std::int64_t last =
-          std::min(static_cast<std::int64_t>(result.of_band.size()) - 1, high < 0 ? -1 : high / rows);
-      for (std::int64_t band = first; band <= last; ++band)
-        result.of_band[static_cast<std::size_t>(band)].push_back(
-            static_cast<std::uint32_t>(result.facets.size()));
-      result.facets.push_back(facet);
-      result.number.push_back(number);
-    }
-  }
-  return result;
-}
-
-std::array<GridPoint, 3> places_of(const Facet& facet) {
-  return {facet.corners[0].place, facet.corners[1].place, facet.corners[2].place};
-}
-
-// Barycentric coordinates in space, not in the picture.
-Vector3f weights_at(const Facet& facet, const Edges& edges, const GridPoint& at) {
-  // value / area times 1/distance, divided by their sum: undoes the perspective.
-  Vector3f weights;
-  for (std::size_t k = 0; k < 3; ++k)
-    weights[static_cast<int>(k)] =
-        std::max(0.0f, static_cast<float>(edges.value(k, at.x, at.y))) * facet.corners[k].nearness;
-  return weights / weights.sum();
-}
-
-// The surface of a triangle: red, green, blue in linear light, and alpha.
-class Cover {
- public:
-  Cover(const Shape& shape, std::uint32_t triangle, const Edges& edges)
-      : shape_(shape), corners_(shape.triangles[triangle]) {
-    if (shape.looks == nullptr) return;
-    paint_ = &shape.looks->paints[shape.paints[triangle]];
-    if (paint_->texture < 0 || shape.uvs.empty()) return;
-    texture_ = &shape.looks->textures[static_cast<std::size_t>(paint_->texture)];
-    const Vector2f u = shape.uvs[corners_[1]] - shape.uvs[corners_[0]];
-    const Vector2f v = shape.uvs[corners_[2]] - shape.uvs[corners_[0]];
-    const float texels = std::fabs(u.x() * v.y() - u.y() * v.x()) * static_cast<float>(texture_->width()) *
-                         static_cast<float>(texture_->height());
-    // Both are twice the area.
-    level_ = texture_->level_for(texels / (static_cast<float>(edges.area) / (grid * grid)));
-  }
-
-  bool has_holes() const { return paint_ != nullptr && paint_->cutoff > 0.0f; }
-  bool is_hole(const Vector3f& weights) const { return has_holes() && at(weights).w() < paint_->cutoff; }
-  Vector4f at(const Vector3f& weights) const {
-    if (paint_ == nullptr) return Vector4f::Ones();
-    Vector4f colour(paint_->colour.x(), paint_->colour.y(), paint_->colour.z(), paint_->alpha);
-    if (texture_ != nullptr)
-      colour = colour.cwiseProduct(texture_->at(weights[0] * shape_.uvs[corners_[0]] +
-                                                    weights[1] * shape_.uvs[corners_[1]] +
-                                                    weights[2] * shape_.uvs[corners_[2]],
-                                                level_));
-    return colour;
-  }
-
- private:
-  const Shape& shape_;
-  const std::array<std::uint32_t, 3>& corners_;
-  const Paint* paint_ = nullptr;
-  const Texture* texture_ = nullptr;
-  unsigned level_ = 0;
-};
 
 struct Sample {
   float nearness = 0.0f;
@@ -176,7 +74,7 @@ class Band {
     const std::int64_t first_y = std::max<std::int64_t>(first_row_, y0 / grid);
     const std::int64_t last_y = std::min<std::int64_t>(first_row_ + rows_ - 1, y1 / grid);
     const float scale = 1.0f / static_cast<float>(edges->area);
-    const Cover cover(facets_.shapes[facet.shape], facet.triangle, *edges);
+    const Cover cover(facets_.shapes[facet.shape], facet.triangle, *edges, share_of(facets_, facet));
     const bool has_holes = cover.has_holes();
     for (std::int64_t y = first_y; y <= last_y; ++y)
       for (std::int64_t x = first_x; x <= last_x; ++x) {
@@ -196,8 +94,8 @@ class Band {
                 scale;
             // At equal depth the first one drawn wins.
             if (nearness > sample->nearness &&
-                !(has_holes &&
-                  cover.is_hole(weights_at(facet, *edges, {x * grid + point.x, y * grid + point.y}))))
+                !(has_holes && cover.is_hole(weights_at(facets_, facet, *edges,
+                                                        {x * grid + point.x, y * grid + point.y}))))
               *sample = {nearness, f};
           }
           ++sample;
@@ -318,7 +216,7 @@ class Painter {
     const Shape& shape = shapes_[facet.shape];
     const auto& corner = shape.triangles[facet.triangle];
     const Edges edges = *edges_of(places_of(facet));
-    const Vector3f weights = weights_at(facet, edges, at);
+    const Vector3f weights = weights_at(facets_, facet, edges, at);
     const auto blend = [&](const std::vector<Vector3f>& values) {
       return Vector3f(weights[0] * values[corner[0]] + weights[1] * values[corner[1]] +
                       weights[2] * values[corner[2]]);
@@ -327,7 +225,8 @@ class Painter {
     weights.maxCoeff(&nearest);
     const Vector3f own =
         shape.blend_colours ? blend(shape.colours) : shape.colours[corner[static_cast<std::size_t>(nearest)]];
-    const Vector3f paint = own.cwiseProduct(Cover(shape, facet.triangle, edges).at(weights).head<3>());
+    const Vector3f paint =
+        own.cwiseProduct(Cover(shape, facet.triangle, edges, share_of(facets_, facet)).at(weights).head<3>());
     if (shape.finish == Finish::ink) return paint;
     const Vector3f position = blend(shape.positions);
     const Vector3f to_eye = (camera_.eye.cast<float>() - position).normalized();
@@ -343,7 +242,7 @@ class Painter {
                          ? plain(paint, position, normal)
                          : glossy(paint, position, normal, to_eye,
                                   shape.finish == Finish::skin ? skin_reach : paint_reach);
-    if (shape.draw_edges) light *= edge_shade(edges, at);
+    if (shape.draw_edges) light *= edge_shade(facet, edges, at);
     return light;
   }
 
@@ -380,9 +279,10 @@ class Painter {
   }
 
   // Darker within half a pixel of an edge.
-  static float edge_shade(const Edges& edges, const GridPoint& at) {
+  float edge_shade(const Facet& facet, const Edges& edges, const GridPoint& at) const {
     float nearest = 1e9f;
     for (std::size_t k = 0; k < 3; ++k) {
+      if (!is_edge_of_triangle(facets_, facet, k)) continue;
       const float length = std::hypot(static_cast<float>(edges.dx[k]), static_cast<float>(edges.dy[k]));
       nearest = std::min(nearest, static_cast<float>(edges.value(k, at.x, at.y)) / length / grid);
     }

@@ -17,10 +17,12 @@ struct GridPoint {
   std::int64_t x = 0, y = 0;  // 1/256 pixel
 };
 
-// Nothing for NaN and for points so far away that products would overflow.
+// Pixels; beyond them products would overflow.
+inline constexpr double farthest_place = 1 << 20;
+
+// Nothing for NaN and for points too far away.
 inline std::optional<GridPoint> to_grid(double x, double y) {
-  constexpr double far = 1 << 20;
-  if (!(std::fabs(x) < far && std::fabs(y) < far)) return std::nullopt;
+  if (!(std::fabs(x) < farthest_place && std::fabs(y) < farthest_place)) return std::nullopt;
   return GridPoint{std::llround(x * grid), std::llround(y * grid)};
 }
 

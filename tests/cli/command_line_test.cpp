@@ -32,6 +32,31 @@ void expect_error(const Outcome& outcome, int status, const std::string& part) {
   EXPECT_TRUE(contains(said.back(), part)) << outcome.err;
 }
 
+// Options that are numbers take neither NaN nor infinity, and nothing out of their range. A command that
+// refuses one begins nothing: none of these folders exists.
+TEST(CommandLine, NumbersAreFiniteAndInRange) {
+  const auto refuses = [](const std::string& command, const std::string& option, const std::string& text) {
+    expect_error(fascicle({command, "nowhere", "-o", command == "view" ? "page.html" : "picture.png",
+                           option + "=" + text}),
+                 2, option);
+  };
+  for (const char* text : {"nan", "-nan", "inf", "-inf", "1e999", "1e300", "x"}) {
+    for (const char* option : {"--turn", "--tilt", "--zoom", "--lag-scale"}) refuses("render", option, text);
+    refuses("view", "--error", text);
+    for (const char* option : {"--glb-error", "--glb-tolerance", "--glb-compress"})
+      expect_error(fascicle({"export", "nowhere", "--to", "glb", std::string(option) + "=" + text}), 2,
+                   option);
+  }
+  refuses("render", "--tilt", "80.5");
+  refuses("render", "--zoom", "0.09");
+  refuses("render", "--lag-scale", "0");
+  refuses("view", "--error", "-1");
+  // The control: what is in range is refused only because there is no such bake.
+  expect_error(fascicle({"render", "nowhere", "-o", "picture.png", "--turn=-400", "--tilt=80", "--zoom=1e2",
+                         "--lag-scale=1e-3"}),
+               3, "nowhere");
+}
+
 TEST(CommandLine, HelpListsEveryFlag) {
   const std::vector<std::string> log{"--quiet", "--verbose", "--log-format"};
   const std::vector<std::string> scene{"--set", "--fps", "--start", "--end", "--clip"};

@@ -1,8 +1,10 @@
-// fascicle render --compare, --worst and the file's own colours, as a user sees them.
+// fascicle render --compare, --worst, the file's own colours and shapes, and solids, as a user sees them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
 #include "host/formats/surface.h"
+#include "host/page/base64.h"
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
@@ -145,6 +148,111 @@ TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
   }
 }
 
+// A blend shape lifts the whole mesh by 0.3 m in the course of the clip.
+void lift(const fs::path& character, float seconds) {
+  std::string bytes;
+  const auto append = [&](const std::vector<float>& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  };
+  append({0.0f, seconds});
+  append({0.0f, 1.0f});
+  change_glb(character, [&](json& document) {
+    const auto add_view = [&](std::size_t offset, std::size_t length) {
+      document["bufferViews"].push_back(
+          {{"buffer", document["buffers"].size()}, {"byteOffset", offset}, {"byteLength", length}});
+      return document["bufferViews"].size() - 1;
+    };
+    const auto add_accessor = [&](std::size_t view, std::size_t count, const char* type) {
+      document["accessors"].push_back({{"bufferView", view},
+                                       {"componentType", 5126},
+                                       {"type", type},
+                                       {"count", count},
+                                       {"min", json::array({0})},
+                                       {"max", json::array({1})}});
+      return document["accessors"].size() - 1;
+    };
+    const std::size_t times = add_accessor(add_view(0, 8), 2, "SCALAR"),
+                      weights = add_accessor(add_view(8, 8), 2, "SCALAR");
+    for (json& primitive : document["meshes"][0]["primitives"]) {
+      const std::size_t count =
+          document["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()]["count"];
+      const std::size_t view = add_view(bytes.size(), 12 * count);
+      for (std::size_t i = 0; i < count; ++i) append({0.0f, 0.3f, 0.0f});
+      const std::size_t target = add_accessor(view, count, "VEC3");
+      document["accessors"][target]["min"] = document["accessors"][target]["max"] = {0.0f, 0.3f, 0.0f};
+      primitive["targets"] = json::array({{{"POSITION", target}}});
+    }
+    document["meshes"][0]["weights"] = json::array({0.0});
+    json& clip = document["animations"][0];
+    std::size_t node = 0;
+    while (!document["nodes"][node].contains("mesh")) ++node;
+    clip["samplers"].push_back({{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}});
+    clip["channels"].push_back(
+        {{"sampler", clip["samplers"].size() - 1}, {"target", {{"node", node}, {"path", "weights"}}}});
+    document["buffers"].push_back({{"byteLength", bytes.size()},
+                                   {"uri", "data:application/octet-stream;base64," + page::base64(bytes)}});
+  });
+}
+
+std::vector<float> vertices_of_obj(const std::string& text) {
+  std::istringstream lines(text);
+  std::vector<float> vertices;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    float value = 0.0f;
+    while (word == "v" && words >> value) vertices.push_back(value);
+  }
+  return vertices;
+}
+
+// The mean row of the blue pixels in columns [first, last).
+double blue_row(const Pixels& pixels, unsigned first, unsigned last) {
+  double sum = 0.0, count = 0.0;
+  for (unsigned y = 0; y < pixels.height; ++y)
+    for (unsigned x = first; x < last; ++x) {
+      const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
+      if (p[2] <= p[0] + 60) continue;
+      sum += y;
+      ++count;
+    }
+  return sum / count;
+}
+
+// Blend shapes move the flesh that is drawn, as they move what is exported.
+TEST_F(RenderCompare, BlendShapesMoveTheFlesh) {
+  paint({{"uri", blue_png}});
+  lift(fs::path(bake_) / "character.glb", 0.2f);
+  ASSERT_EQ(fascicle({"export", bake_, "--to", "obj", "-q"}).status, 0);
+  cli::RenderArguments arguments;
+  arguments.input.name = bake_;
+  cli::Log log({});
+  cli::DrawnFrames frames(arguments, log);
+  const std::uint64_t last = frames.count() - 1;
+  for (const std::uint64_t k : {std::uint64_t{0}, last}) {
+    const std::string number = std::to_string(k);
+    const std::vector<float> exported = vertices_of_obj(read_text(
+        fs::path(bake_) / "obj" / ("frame_" + std::string(6 - number.size(), '0') + number + ".obj")));
+    const std::vector<float> drawn = frames.surface(k),
+                             carried = formats::embed(frames.model(), frames.positions(k));
+    ASSERT_EQ(drawn.size(), exported.size());
+    double most = 0.0, lifted = 0.0;
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      most = std::max(most, std::fabs(double{drawn[i]} - double{exported[i]}));
+      if (i % 3 == 1)
+        lifted += 3.0 * (double{drawn[i]} - double{carried[i]}) / static_cast<double>(drawn.size());
+    }
+    EXPECT_LT(most, 1e-6) << k;  // both round to float
+    // Bones lean during the jump, and the lift with them.
+    EXPECT_NEAR(lifted, k == 0 ? 0.0 : 0.3, 0.05) << k;
+  }
+  ASSERT_EQ(render({"-o", sheet_, "--compare", "--frame", std::to_string(last)}).status, 0);
+  const Pixels pair = pixels_of(sheet_);
+  // The two differ by the soft flesh, a small part of the body; a seventh of it is more than 10 rows.
+  EXPECT_NEAR(blue_row(pair, 0, 120), blue_row(pair, 120, 240), 3.0);
+}
+
 TEST_F(RenderCompare, WorstFramesAreThoseOfTheMetrics) {
   std::string text = "frame,time,look,look_jump\n";
   for (int k = 0; k <= 12; ++k)
@@ -191,6 +299,93 @@ TEST_F(RenderCompare, BarStandsBesideItsRest) {
   const Outcome outcome = render({"-o", sheet_, "--compare", "--sheet", "2x1"}, "160x96");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(pixels_of(sheet_).width, 640u);
+}
+
+// A bar of 0.3 m that moves freely beside one solid: the share of a picture that shows skin, and the
+// share of its second lowest row that shows the solid, a dark bluish grey.
+struct Shown {
+  double skin = 0.0, solid_below = 0.0;
+};
+
+class RenderBesideSolid : public testing::Test {
+ protected:
+  void bake_beside(const std::string& collider, const std::string& seconds) {
+    write_text(folder_ / "scene.toml",
+               "[scene]\nfps = 24\n[bar]\nsize = [0.3, 0.3, 0.3]\nvertices = [3, 3, 3]\n"
+               "[layers.flesh]\nyoungs_modulus = 50e3\ndamping = 3.0\ndensity = 1000.0\n"
+               "[solver]\nintegrator = \"implicit\"\nsubsteps = \"auto\"\n[collider.solid]\n" +
+                   collider);
+    const Outcome baked = fascicle(
+        {"bake", folder_ / "scene.toml", "-o", folder_ / "bake", "--end", seconds, "--device", "cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+  }
+  Shown shown(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"render", folder_ / "bake", "-o",         folder_ / "a.png",
+                                       "--size", "160x160",        "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Pixels pixels = pixels_of(folder_ / "a.png");
+    Shown shown;
+    for (unsigned k = 0; k < pixels.width * pixels.height; ++k) {
+      const int red = pixels.rgb[3 * k], blue = pixels.rgb[3 * k + 2];
+      shown.skin += red > blue + 25 ? 1.0 : 0.0;
+      if (k / pixels.width == pixels.height - 2)
+        shown.solid_below += blue > red + 5 && blue < 180 ? 1.0 : 0.0;
+    }
+    shown.skin /= pixels.width * pixels.height;
+    shown.solid_below /= pixels.width;
+    return shown;
+  }
+
+  TemporaryFolder folder_;
+};
+
+// The bar slides down by three times its length. The slope fills the foreground wherever it is, with a camera
+// that follows it and with one that does not: it reaches past the camera.
+TEST_F(RenderBesideSolid, ASlopeIsUnderTheBodyWhereverItGoes) {
+  bake_beside("shape = \"plane\"\ncenter = [0.0, -0.16, 0.0]\nnormal = [0.0, 1.0, 0.1]\nfriction = 0.0\n",
+              "3");
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--frame", "0"},
+                                               {"--frame", "72"},
+                                               {"--frame", "0", "--follow"},
+                                               {"--frame", "72", "--follow"}}) {
+    const Shown one = shown(more);
+    EXPECT_EQ(one.solid_below, 1.0) << more[1] << (more.size() > 2 ? " followed" : "");
+    EXPECT_GT(one.skin, 0.05) << more[1] << (more.size() > 2 ? " followed" : "");
+  }
+}
+
+// On a block of 40 m the bar throws the shadow that it throws on a plane at the same height.
+TEST_F(RenderBesideSolid, ALargeBlockShowsTheBodysShadow) {
+  const auto foreground = [&](const std::string& collider) {
+    bake_beside(collider, "0.1");
+    (void)shown({"--frame", "0"});
+    std::vector<std::uint8_t> rgb = pixels_of(folder_ / "a.png").rgb;
+    // The lowest 50 of 160 rows: the plane and the block end at different distances.
+    rgb.erase(rgb.begin(), rgb.begin() + std::ptrdiff_t{110} * 160 * 3);
+    return rgb;
+  };
+  // Too steep for a floor, which has the backdrop's colour.
+  const std::vector<std::uint8_t> plane =
+      foreground("shape = \"plane\"\ncenter = [0.0, -0.16, 0.0]\nnormal = [0.0, 1.0, 0.016]\n");
+  fs::remove_all(folder_ / "bake");
+  const std::vector<std::uint8_t> block =
+      foreground("shape = \"box\"\ncenter = [0.0, -20.16, 0.0]\nsize = [40.0, 40.0, 40.0]\n");
+  std::size_t differing = 0, dark = 0;
+  for (std::size_t k = 0; k < plane.size(); k += 3) {
+    differing += std::abs(plane[k] - block[k]) > 12 ? 1u : 0u;
+    dark += plane[k] < plane[k + 2] && plane[k] < 120 ? 1u : 0u;
+  }
+  // The slope, and lamps that the block does not shade, make a small difference at the shadow's rim.
+  EXPECT_LT(static_cast<double>(differing), 0.01 * static_cast<double>(plane.size()) / 3.0);
+  EXPECT_GT(static_cast<double>(dark), 0.03 * static_cast<double>(plane.size()) / 3.0);
+}
+
+// A block of 40 m whose near side is between the bar and the camera, which is in the block.
+TEST_F(RenderBesideSolid, ASolidAroundTheCameraDoesNotHideTheBody) {
+  bake_beside("shape = \"box\"\ncenter = [0.0, 0.0, 20.5]\nsize = [40.0, 40.0, 40.0]\n", "0.5");
+  EXPECT_GT(shown({"--frame", "0"}).skin, 0.005);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // fascicle view: a separate decoder shows that the page contains the bake; its output, and what it refuses.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -12,7 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/sealed_json.h"
+#include "host/page/bake_page.h"
 #include "host/page/base64.h"
+#include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 #include "tests/support/assets.h"
 #include "tests/support/readers.h"
@@ -261,6 +264,65 @@ TEST(View, ADamagedBakeIsRefused) {
     EXPECT_EQ(outcome.signal, 0);
     EXPECT_TRUE(contains(outcome.err, "bake")) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "page.html"));
+  }
+}
+
+// A bake of a character with materials of each kind of alpha: below the page's cutoff lies what alpha times
+// the base colour's alpha puts below the material's.
+TEST(View, CutoffsAreThoseOfTheTexturesAlpha) {
+  const TemporaryFolder folder;
+  bake_of("arm", folder / "bake", {"--end", "0.1"});
+  const auto cutoff = [&](double alpha, const char* mode, double of_material) {
+    change_glb(folder / "bake/character.glb", [&](json& document) {
+      document["materials"] = json::array({{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, alpha}}}},
+                                            {"alphaMode", mode},
+                                            {"alphaCutoff", of_material}}});
+      for (json& mesh : document["meshes"])
+        for (json& primitive : mesh["primitives"]) primitive["material"] = 0;
+    });
+    const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html", "--overwrite"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const std::string page = read_text(folder / "page.html");
+    const std::size_t data = page.find("id=\"bake\">") + 10;
+    return json::parse(page.substr(data, page.find("</script>", data) - data))["materials"][0]["cutoff"]
+        .get<double>();
+  };
+  // A material that is cut, at texels of alpha 0 to 1, and one that is not.
+  for (const double alpha : {1.0, 0.8, 0.5, 0.25, 0.0}) {
+    const double of_texture = cutoff(alpha, "MASK", 0.5);
+    for (const double texel : {0.0, 0.3, 0.55, 0.7, 0.97, 1.0})
+      EXPECT_EQ(texel < of_texture, alpha * texel < 0.5) << alpha << " " << texel;
+  }
+  EXPECT_EQ(cutoff(0.3, "OPAQUE", 0.5), 0.0);
+}
+
+// An interrupt in whichever step leaves no page, and there are three steps a frame.
+TEST(View, StopsAfterAnyStep) {
+  const TemporaryFolder folder;
+  bake_of("arm", folder / "bake", {"--end", "0.1"});
+  page::PageOptions options;
+  options.bake = folder / "bake";
+  std::vector<std::uint64_t> steps;
+  options.on_step = [&](std::uint64_t done, std::uint64_t of) {
+    steps.push_back(done);
+    EXPECT_LE(done, of);
+    EXPECT_EQ(of % 3, 0u);
+  };
+  const page::PageResult whole = page::page_of_bake(options);
+  EXPECT_FALSE(whole.interrupted);
+  ASSERT_EQ(steps.size(), 3 * whole.frames);
+  for (std::size_t k = 0; k < steps.size(); ++k) EXPECT_EQ(steps[k], k + 1);
+  std::atomic<bool> interrupted = false;
+  options.interrupted = &interrupted;
+  for (std::uint64_t stop = 1; stop <= steps.size(); ++stop) {
+    interrupted = false;
+    options.on_step = [&](std::uint64_t done, std::uint64_t) {
+      EXPECT_LE(done, stop) << "it goes on";
+      interrupted = done == stop;
+    };
+    const page::PageResult result = page::page_of_bake(options);
+    EXPECT_TRUE(result.interrupted) << stop;
+    EXPECT_EQ(result.html, "") << stop;
   }
 }
 

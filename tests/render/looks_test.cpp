@@ -18,6 +18,7 @@
 #include "host/render/annotate.h"
 #include "host/render/colour.h"
 #include "host/render/decode_image.h"
+#include "host/render/light.h"
 #include "host/render/png.h"
 #include "host/render/render.h"
 #include "tests/render/shapes.h"
@@ -168,6 +169,32 @@ TEST(Looks, MaskedTexelsAreHoles) {
   EXPECT_NEAR(static_cast<double>(lit()), 800.0, 40.0);
   looks.paints[0].cutoff = 0.0f;
   EXPECT_EQ(lit(), 1600u);
+}
+
+// The light that falls through the holes is on what lies behind them.
+TEST(Looks, HolesCastNoShadow) {
+  Colour hole = green;
+  hole[3] = 0;
+  render::Looks looks;
+  looks.textures.emplace_back(texels_of(2, {red, hole, red, hole}), Wrap::clamp, Wrap::clamp);
+  looks.paints.push_back({.cutoff = 0.5f, .texture = 0});
+  const std::vector<render::Shape> shapes{textured(looks)};
+  // From -x, where it is red, to x, 1 cm behind the square.
+  const auto light = [&](float x, float y) {
+    return render::ShadowMap(shapes, Vector3f::UnitZ(), Vector3f::Zero(), 0.2f, 256)
+        .visibility({x, y, -0.01f}, Vector3f::UnitZ());
+  };
+  // The hole begins in the middle, within a texel of the map, 1.6 mm.
+  for (const float y : {-0.08f, 0.03f, 0.09f})
+    for (const float x : {0.004f, 0.05f, 0.09f}) {
+      EXPECT_EQ(light(x, y), 1.0f) << x << " " << y;
+      EXPECT_EQ(light(-x, y), 0.0f) << x << " " << y;
+    }
+  // A base colour below the cutoff makes a hole of all of it.
+  looks.paints[0].alpha = 0.4f;
+  EXPECT_EQ(light(-0.05f, 0.03f), 1.0f);
+  looks.paints[0].cutoff = 0.0f;
+  EXPECT_EQ(light(-0.05f, 0.03f), 0.0f);
 }
 
 // A checkerboard of single texels is uniform grey from afar, at any pixel offset.

@@ -133,17 +133,79 @@ TEST(Picture, ThreadsAndRepetitionChangeNoByte) {
   EXPECT_EQ(render::encode_png(one), render::encode_png(one));
 }
 
-// Triangles that reach behind the camera, are not finite or are degenerate are left out; the rest is drawn.
+// Triangles that lie behind the camera, are not finite or are degenerate are left out; the rest is drawn.
 TEST(Picture, TrianglesThatCannotBeDrawnAreLeftOut) {
   render::Shape shape = square({0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, red);
-  shape.positions.insert(shape.positions.end(), {{0, 0, 5}, {1e30f, 0, 0}, {std::nanf(""), 0, 0}, {0, 0, 0}});
-  shape.normals.resize(8, Vector3f::UnitZ());
-  shape.colours.resize(8, red);
-  shape.triangles.insert(shape.triangles.end(), {{0, 1, 4}, {0, 1, 5}, {0, 1, 6}, {0, 2, 7}});
+  shape.positions.insert(shape.positions.end(),
+                         {{0, 0, 5}, {1e30f, 0, 0}, {std::nanf(""), 0, 0}, {0, 0, 0}, {1, 0, 3}, {0, 1, 2}});
+  shape.normals.resize(10, Vector3f::UnitZ());
+  shape.colours.resize(10, red);
+  shape.triangles.insert(shape.triangles.end(), {{4, 8, 9}, {0, 1, 5}, {0, 1, 6}, {0, 2, 7}});
   const std::vector<render::Shape> shapes{shape};
   const render::DepthImage image = render::render_depth(shapes, camera_on_z(2.0, 100.0, 40, 40));
   EXPECT_EQ(covered(image), 100u);
   EXPECT_NO_THROW(render::render(shapes, camera_on_z(2.0, 100.0, 40, 40)));
+}
+
+// A floor that reaches far past the camera on all sides, seen from 1 m above it, level and sloping: each
+// pixel whose ray meets it shows it at that depth, and no other does.
+TEST(Picture, AFloorThatReachesBehindTheCameraIsDrawnWhereRaysMeetIt) {
+  const Camera camera = camera_on_z(0.0, 100.0, 121, 91);
+  for (const float slope : {0.0f, 0.1f, -0.2f})
+    for (const float reach : {4.0f, 1000.0f, 3e6f}) {
+      const Vector3f across(reach, 0, 0), along(0, -slope * reach, -reach);
+      const std::vector<render::Shape> shapes{square({0, -1, 0}, across, along, red)};
+      const render::DepthImage image = render::render_depth(shapes, camera);
+      std::size_t seen = 0;
+      for (unsigned y = 0; y < image.height; ++y)
+        for (unsigned x = 0; x < image.width; ++x) {
+          const Vector3d ray = camera.ray(x + 0.5, y + 0.5);  // its third component is -1
+          // y = -1 + slope z on the floor
+          const double depth = -1.0 / (ray.y() + double{slope});
+          const double across_share = std::fabs(ray.x()) * depth / double{reach},
+                       along_share = depth / double{reach};
+          const std::size_t pixel = y * image.width + x;
+          const bool is_drawn = image.triangle[pixel] != render::no_triangle;
+          // Skip the pixels of its border and of the horizon.
+          if (std::fabs(ray.y() + double{slope}) < 0.02 || std::fabs(across_share - 1.0) < 0.05 ||
+              std::fabs(along_share - 1.0) < 0.05)
+            continue;
+          const bool is_met = depth > 0.0 && across_share < 1.0 && along_share < 1.0;
+          EXPECT_EQ(is_drawn, is_met) << slope << " " << reach << ": " << x << " " << y;
+          if (!is_drawn || !is_met) continue;
+          // Corners are rounded to 1/256 pixel. At 0.02 below the horizon, 2 pixels, that is a 500th.
+          EXPECT_NEAR(image.depth[pixel] / depth, 1.0, 0.004)
+              << slope << " " << reach << ": " << x << " " << y;
+          ++seen;
+        }
+      EXPECT_GT(seen, 1000u) << slope << " " << reach;
+    }
+}
+
+// The colour at a place of the floor is the same whether a corner lies behind the camera or not.
+TEST(Picture, APieceOfATriangleKeepsItsColours) {
+  const auto picture = [](float behind) {
+    render::Shape floor;
+    floor.finish = render::Finish::ink;
+    // Red grows with z, green with x.
+    for (const auto& [x, z] : {std::pair{-6.0f, behind}, {6.0f, behind}, {6.0f, -9.0f}, {-6.0f, -9.0f}}) {
+      floor.positions.emplace_back(x, -1.0f, z);
+      floor.colours.emplace_back((z + 9.0f) / 20.0f, (x + 6.0f) / 12.0f, 0.2f);
+    }
+    floor.normals.assign(4, Vector3f::UnitY());
+    floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const std::vector<render::Shape> shapes{floor};
+    return render::render(shapes, camera_on_z(0.0, 100.0, 80, 60), {}, 1);
+  };
+  // In front of the camera, and 9 m behind it.
+  const Image whole = picture(-0.05f), cut = picture(9.0f);
+  std::size_t floor = 0;
+  for (std::size_t k = 0; k < whole.pixels.size(); ++k) {
+    // Rounding of places and of weights to float.
+    EXPECT_NEAR(whole.pixels[k], cut.pixels[k], 2) << k;
+    floor += k % 3 == 2 && whole.pixels[k] == render::byte_of_linear(0.2f) ? 1u : 0u;
+  }
+  EXPECT_GT(floor, 80u * 15u);
 }
 
 TEST(CameraFit, HoldsEveryPointAndTouchesTheMargin) {

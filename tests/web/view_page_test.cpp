@@ -143,6 +143,48 @@ TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   EXPECT_GE(seen["layers"].size(), 2u);
 }
 
+// A cube that slides down a slope, with a camera that follows it, in a browser that loses its GPU.
+TEST(ViewPage, OfABodyThatTravels) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "slide.toml",
+             "[scene]\nfps = 23.976\nend = 1.5\n[bar]\nsize = [0.3, 0.3, 0.3]\nvertices = [3, 3, 3]\n"
+             "[layers.flesh]\nyoungs_modulus = 50e3\ndamping = 3.0\ndensity = 1000.0\n"
+             "[solver]\nintegrator = \"implicit\"\nsubsteps = \"auto\"\n"
+             "[collider.slope]\nshape = \"plane\"\ncenter = [0.0, -0.3, 0.0]\nnormal = [0.0, 1.0, 0.5]\n"
+             "friction = 0.0\n");
+  const json decoded = page_of(folder / "slide.toml", folder.path().string(), {});
+  ASSERT_TRUE(decoded.is_object());
+  const json seen = used_page("upsets.mjs", folder.path().string(), shots("view-upsets"), "");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["state"], "ready");
+  EXPECT_TRUE(contains(seen["subtitle"].get<std::string>(), "37 frames at 23.976 fps")) << seen["subtitle"];
+  // 36 / 23.976
+  EXPECT_TRUE(contains(seen["facts"].get<std::string>(), "Duration1.502 s")) << seen["facts"];
+  // After the loss the same picture comes back; an empty stage would differ by all that is shown.
+  EXPECT_GT(seen["background"].get<double>(), 0.05);
+  EXPECT_LT(seen["differs_after_loss"].get<double>(), 0.002);
+  // The camera follows the cube down. At the end of the slope its page has a floor below it, lines and
+  // shadow.
+  EXPECT_TRUE(seen["follows"]);
+  EXPECT_GT(seen["floor_at_last"].get<double>(), 0.01);
+  // Every control is on the screen of a phone, or scrolled to within what is, and the picture has room.
+  EXPECT_EQ(seen["sizes"].size(), 3u);
+  for (const auto& [size, page] : seen["sizes"].items()) {
+    EXPECT_LE(page["across"], 0) << size;
+    EXPECT_LE(page["down"], 0) << size;
+    EXPECT_GT(page["scrub"], 0.8) << size;
+    EXPECT_GE(page["picture"][0], 150) << size;
+    EXPECT_GE(page["picture"][1], 60) << size;
+    EXPECT_GE(page["aside"], 60) << size;
+    EXPECT_TRUE(page["scrolls"]) << size;
+    EXPECT_LE(page["under_footer"], 0) << size;
+    EXPECT_EQ(page["outside"], json::array()) << size;
+  }
+  // three.js logs both events, and nobody warns.
+  for (const json& text : seen["said"]) EXPECT_TRUE(text.get<std::string>().starts_with("log: ")) << text;
+}
+
 // The control: a truncated page reports it, and shows no body.
 TEST(ViewPage, OfDamagedDataSaysSo) {
   FASCICLE_NEEDS_CHROMIUM;

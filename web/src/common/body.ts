@@ -32,6 +32,13 @@ export interface Looks {
 
 const WRAPS = { repeat: RepeatWrapping, mirror: MirroredRepeatWrapping, clamp: ClampToEdgeWrapping };
 
+// What a texel's alpha must reach, for a material whose base colour has alpha too: only the texture's is compared.
+export function texture_cutoff(cutoff: number, base_alpha: number): number {
+  if (cutoff <= 0) return 0;
+  const all = 2; // more than any alpha
+  return base_alpha > 0 ? Math.min(cutoff / base_alpha, all) : all;
+}
+
 // Null if it cannot be decoded; the material's plain colour is used instead.
 export async function load_texture_bytes(
   bytes: Uint8Array<ArrayBuffer>,

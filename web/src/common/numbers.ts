@@ -8,6 +8,11 @@ export function short_number(value: number): string {
   return String(Number(value.toPrecision(3)));
 }
 
+// All digits before the point, and as many after it as there are, up to thousandths.
+export function in_full(value: number): string {
+  return String(Number(value.toFixed(3)));
+}
+
 // The smallest factor times a power of ten that is at least `value` (> 0).
 export function nice_above(value: number, factors: readonly number[] = [1, 2, 5, 10]): number {
   const power = 10 ** Math.floor(Math.log10(value));

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { spared_more } from "./stage";
+import { spared_more, whole_cells } from "./stage";
 
 test("a slow machine first drops shadows, then resolution, down to a limit", () => {
   let spared = { shadows: false, ratio: 1 };
@@ -18,4 +18,13 @@ test("a slow machine first drops shadows, then resolution, down to a limit", () 
   // A screen with more pixels gains no further step, because moving pictures have at most two pixels per page
   // pixel.
   assert.deepEqual(spared_more({ shadows: true, ratio: 1 }, 3), spared_more({ shadows: true, ratio: 1 }, 2));
+});
+
+test("a floor follows to within half a cell, and its lines stay where they are", () => {
+  for (const cell of [0.05, 0.2, 1, 5])
+    for (let way = -7.3; way < 8; way += 0.37) {
+      const moved = whole_cells(way, cell);
+      assert.ok(Math.abs(moved - way) <= 0.5 * cell * (1 + 1e-9), `${way} ${cell}`);
+      assert.ok(Math.abs(moved / cell - Math.round(moved / cell)) < 1e-9);
+    }
 });

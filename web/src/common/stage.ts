@@ -39,6 +39,11 @@ export function spared_more(spared: Spared, screen_ratio: number): Spared {
   return ratio > LEAST_RATIO ? { ...spared, ratio: 1.5 * spared.ratio } : spared;
 }
 
+// The part of a way that is whole cells: a floor moved by it keeps its lines where they were.
+export function whole_cells(way: number, cell: number): number {
+  return cell * Math.round(way / cell);
+}
+
 export interface Half {
   shown: Group[];
   hidden: Group[];
@@ -58,6 +63,8 @@ export class Stage {
   private readonly shadow = new ShadowMaterial({ opacity: 0.22, depthWrite: false });
   private grid: GridHelper | null = null;
   private radius = 1;
+  private cell = 1; // m, of the grid
+  private readonly home = new Vector3(); // the floor's middle before the camera follows the body
   private stale = true;
   private changed = 0; // ms, time of the last visible change
   private spared: Spared = { shadows: false, ratio: 1 };
@@ -77,6 +84,13 @@ export class Stage {
     this.sun.shadow.normalBias = 0.02;
     this.scene.add(this.sky, this.sun, this.sun.target, this.rim, this.rim.target, this.floor);
     this.orbit.listen(canvas);
+    // A browser takes the GPU away, on a driver's reset or from a page in the background, and gives it back.
+    // three.js uploads everything again.
+    canvas.addEventListener("webglcontextlost", () => (this.fence = null));
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.fence = null;
+      this.invalidate();
+    });
   }
 
   invalidate(): void {
@@ -88,6 +102,8 @@ export class Stage {
   furnish(middle: Vector3, radius: number, floor: number): void {
     this.radius = radius;
     const cell = nice_above(radius / 5);
+    this.cell = cell;
+    this.home.copy(middle);
     const cells = 2 * Math.ceil((2.4 * radius) / cell);
     this.grid = new GridHelper(cells * cell, cells);
     (this.grid.material as LineBasicMaterial).transparent = true;
@@ -96,7 +112,7 @@ export class Stage {
     disc.receiveShadow = true;
     disc.position.y = 0.001 * radius;
     this.floor.add(this.grid, disc);
-    this.floor.position.set(middle.x, floor - 0.003 * radius, middle.z);
+    this.floor.position.y = floor - 0.003 * radius;
     const shadow = this.sun.shadow.camera;
     shadow.left = shadow.bottom = -1.6 * radius;
     shadow.right = shadow.top = 1.6 * radius;
@@ -109,8 +125,11 @@ export class Stage {
     this.invalidate();
   }
 
-  // Moves the lights along with the camera's target.
+  // Moves the lights along with the camera's target, and the floor along with a body that it follows.
   light_up(middle: Vector3): void {
+    const { carried } = this.orbit;
+    this.floor.position.x = this.home.x + whole_cells(carried.x, this.cell);
+    this.floor.position.z = this.home.z + whole_cells(carried.z, this.cell);
     this.sun.target.position.copy(middle);
     this.sun.position.copy(middle).add(new Vector3(1.4, 2.6, 1.9).multiplyScalar(this.radius));
     this.rim.target.position.copy(middle);
@@ -176,7 +195,8 @@ export class Stage {
   private is_busy(): boolean {
     if (!this.fence) return false;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    // Null, as from a lost context, must not be waited for.
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) === gl.UNSIGNALED) return true;
     gl.deleteSync(this.fence);
     this.fence = null;
     this.spare(performance.now() - this.asked);

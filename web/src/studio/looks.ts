@@ -1,6 +1,6 @@
 // A body's materials and textures, as received from the server.
 import type { Texture } from "three";
-import { load_texture_bytes } from "../common/body";
+import { load_texture_bytes, texture_cutoff } from "../common/body";
 import type { Looks } from "../common/body";
 import { linear_of_hex } from "../common/colours";
 import type { BodyMessage } from "./protocol";
@@ -28,7 +28,7 @@ export class LookLoader {
     const materials = body.materials.map((material) => ({
       name: material.name,
       colour: [material.colour[0], material.colour[1], material.colour[2]] as [number, number, number],
-      cutoff: material.alpha_cutoff,
+      cutoff: texture_cutoff(material.alpha_cutoff, material.colour[3]),
       texture: material.texture,
     }));
     return {

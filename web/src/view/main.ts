@@ -10,7 +10,7 @@ import { Film } from "../common/film";
 import type { Curve, Description } from "../common/film";
 import { fill_help, listen_to_keys } from "../common/keys";
 import type { BindingGroup } from "../common/keys";
-import { grouped, nice_above, short_number } from "../common/numbers";
+import { grouped, in_full, nice_above, short_number } from "../common/numbers";
 import { VIEWS } from "../common/orbit";
 import { Player } from "../common/player";
 import { FIELD, Stage } from "../common/stage";
@@ -144,10 +144,10 @@ class Viewer {
     const { description } = this;
     const seconds = (description.frames - 1) / description.fps;
     element("subtitle").textContent =
-      `${grouped(description.frames)} frames at ${short_number(description.fps)} fps, ` +
+      `${grouped(description.frames)} frames at ${in_full(description.fps)} fps, ` +
       `${grouped(description.bake_vertices)} vertices`;
     const facts = element("facts");
-    add_fact(facts, "Duration", `${short_number(seconds)} s`);
+    add_fact(facts, "Duration", `${in_full(seconds)} s`);
     add_fact(facts, "Surface", description.surface);
     add_fact(facts, "Triangles", grouped(description.triangles));
     add_fact(facts, "Tetrahedra", grouped(description.tetrahedra));
