@@ -91,6 +91,15 @@ TEST_F(BuildAgainTest, ACharacterHasTheSameBits) {
                          {coarse}});
 }
 
+// Skin that slides shares no regions with the flesh below, so other vertices lie across gaps from it.
+TEST_F(BuildAgainTest, SlidingSkinInContactHasTheSameBits) {
+  const std::string contact = "contact.self=true";
+  expect_same("cheek", {{contact},
+                        {contact, "layers.skin.sliding=false"},
+                        {contact, "layers.skin.sliding=false", "layers.skin.density=700"},
+                        {contact}});
+}
+
 TEST(BodyKey, TellsBodiesApartAndNothingElse) {
   const auto key = [](const std::vector<std::string>& set) {
     scene::SceneOverrides overrides;
