@@ -36,6 +36,7 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
   const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
   const ProcessResult result = run_mesher(mesher, arguments, limits);
   check_time(result, limits, what, cure);
+  check_machine(result, what);
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
                      "; simplify the surface");
