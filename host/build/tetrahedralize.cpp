@@ -61,7 +61,7 @@ void check_count(const SurfaceMesh& surface, double edge, const BuildOptions& op
 
 void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   std::ofstream file(path);
-  file << points.size() << '\n';
+  file << std::to_string(points.size()) << '\n';  // a program's locale may group digits
   for (const Vector3d& p : points) {
     file << digits_of(p.x()) << ' ' << digits_of(p.y()) << ' ' << digits_of(p.z()) << '\n';
   }

@@ -11,6 +11,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <locale>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -210,6 +211,21 @@ TEST_F(Tetrahedralize, InsidePointsBecomeVerticesInOrder) {
   ASSERT_GE(mesh.vertices.size(), 10U);
   EXPECT_EQ(mesh.vertices[8], inside[0]);
   EXPECT_EQ(mesh.vertices[9], inside[2]) << "the point outside should be left out";
+}
+
+// A program that calls the library may write numbers as people do.
+TEST_F(Tetrahedralize, WritesPointsAsTheMesherReadsThemInAnyLocale) {
+  struct Grouped : std::numpunct<char> {
+    char do_thousands_sep() const override { return ','; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  std::vector<Vector3d> inside;
+  for (int k = 0; k < 1000; ++k) inside.emplace_back(7.0, 7.0, k);  // outside, so all are left out
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Grouped));
+  TetMesh mesh;
+  EXPECT_NO_THROW(mesh = build::tetrahedralize(unit_cube, 0.0, inside, options_));
+  std::locale::global(before);
+  expect_fills(mesh, unit_cube);
 }
 
 TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
