@@ -75,10 +75,10 @@ void for_each_field(T& ends, Visit& visit) {
 
 template <Is<CageReport> T, class Visit>
 void for_each_field(T& cage, Visit& visit) {
-  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha,
+  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha, offset,
          cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds] = cage;
   visit_each(visit, has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges,
-             alpha, cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds);
+             alpha, offset, cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds);
 }
 
 template <Is<FillReport> T, class Visit>

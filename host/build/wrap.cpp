@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <locale>
 #include <map>
 #include <sstream>
 #include <string>
@@ -26,15 +27,15 @@ namespace fs = std::filesystem;
 using scene::SceneError;
 
 // Runs the mesher on so many triangles. `what` names the task in messages; `vertices` is the number it makes.
-void run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
-         double vertices, const BuildOptions& options) {
+ProcessResult run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
+                  double vertices, const BuildOptions& options) {
   // Measured: a wrap of 20,000 vertices takes 4 KB per vertex, the check of 7000 triangles less than 1 KB
   // each.
   constexpr double bytes_each = 65536.0;
   const std::string cure = "use less cage_detail or a larger resolution, or simplify the surface";
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
-  const ProcessResult result = run_mesher(mesher, arguments, limits);
+  ProcessResult result = run_mesher(mesher, arguments, limits);
   check_time(result, limits, what, cure);
   check_machine(result, what);
   if (result.end == ProcessEnd::signalled)
@@ -46,6 +47,17 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
   if (result.code != mesher_done)
     throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
                      reason(result) + "; check that it belongs to this version of fascicle");
+  return result;
+}
+
+// The alpha and offset of the mesher's last line.
+void read_lengths(const ProcessResult& result, Wrap& wrap) {
+  std::istringstream words(base::last_line(result, mesher_name));
+  words.imbue(std::locale::classic());
+  std::string alpha, offset;
+  words >> alpha >> wrap.alpha >> offset >> wrap.offset;
+  if (!words || alpha != "alpha" || offset != "offset" || !(wrap.alpha > 0.0) || !(wrap.offset > 0.0))
+    fail_result("it does not say its alpha and offset");
 }
 
 // The vertices of a wrap whose triangles have this edge, on both sides in case the surface is a sheet.
@@ -139,8 +151,7 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
   });
 }
 
-mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
-                               const BuildOptions& options) {
+Wrap wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order, const BuildOptions& options) {
   check_count(surface, order, options);
   return with_system_errors([&] {
     const TemporaryFolder folder;
@@ -152,10 +163,13 @@ mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder
       arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
     else if (order.vertices)
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
-    run("wrapping the surface", arguments, surface.triangles.size(), vertices_due(surface, order), options);
+    Wrap wrap;
+    read_lengths(run("wrapping the surface", arguments, surface.triangles.size(),
+                     vertices_due(surface, order), options),
+                 wrap);
     try {
-      mesh::SurfaceMesh wrap = mesh::read_surface_mesh(out);
-      drop_inner_shells(wrap);
+      wrap.surface = mesh::read_surface_mesh(out);
+      drop_inner_shells(wrap.surface);
       return wrap;
     } catch (const SceneError& error) {
       std::string what = error.what();

@@ -17,9 +17,14 @@ struct WrapSettings {
   std::optional<std::size_t> vertices;
 };
 
+struct Wrap {
+  Surface surface;
+  double alpha = 0.0, offset = 0.0;  // those used: larger than asked for if such triangles cross there
+};
+
 // Wraps any set of triangles: open, intersecting, in parts, with any orientation. The result is closed,
 // consistently faces outward, and does not intersect itself. Throws Failure (wrap_failed) if there is no such
 // result.
-Surface wrap(const Surface& surface, const WrapSettings& settings);
+Wrap wrap(const Surface& surface, const WrapSettings& settings);
 
 }  // namespace fascicle::mesher

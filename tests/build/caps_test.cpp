@@ -215,7 +215,7 @@ TEST(Caps, MakeLimbsSolid) {
   build::WrapOrder order;
   order.alpha = order.edge.emplace(0.025);
   const mesh::TetMesh hollow = build::tetrahedralize(
-      build::wrap_surface(welded.surface, order, with_mesher()), 0.025, {}, with_mesher());
+      build::wrap_surface(welded.surface, order, with_mesher()).surface, 0.025, {}, with_mesher());
   EXPECT_LT(build::total_volume(hollow), 0.5 * (legs + skirt));
 }
 
