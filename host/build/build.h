@@ -107,7 +107,7 @@ struct CageReport {
   Spread skin_spacing;               // mean edge of each of the skin's vertices
   Spread spacing;                    // the same for the tetrahedra
   Spread edges;                      // of the tetrahedra
-  double alpha = 0.0;                // of the wrap: a ball of this radius did not pass through closed gaps, m
+  double alpha = 0.0;                // gaps narrower than about twice this were closed over, m
   double offset = 0.0;               // of the wrap from the skin, before it was moved outward, m
   std::uint32_t cut_tetrahedra = 0;  // duplicated for each of the limbs that touch in them
   double wrap_seconds = 0.0, fill_seconds = 0.0, cut_seconds = 0.0;

@@ -12,7 +12,7 @@ namespace fascicle::build {
 SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOptions& options);
 
 struct WrapOrder {
-  double alpha = 0.0;                     // gaps and holes narrower than this are closed, m
+  double alpha = 0.0;                     // gaps and holes narrower than about twice this are closed, m
   double offset = 0.0;                    // distance of the wrap from the surface, m; 0: a thirtieth of alpha
   std::optional<double> edge;             // sides of the triangles, m; else
   std::optional<std::uint32_t> vertices;  // target number of vertices in the filled wrap

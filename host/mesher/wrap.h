@@ -9,7 +9,7 @@
 namespace fascicle::mesher {
 
 struct WrapSettings {
-  double alpha = 0.0;   // gaps and holes narrower than about this are closed
+  double alpha = 0.0;   // gaps and holes narrower than about twice this are closed: a ball's radius
   double offset = 0.0;  // distance of the wrap outside the surface
   // Triangle size: edges of about `edge`, or such that the surface, filled with tetrahedra of the same edge,
   // has about `vertices` vertices in total. Neither: the wrap as CGAL makes it.
