@@ -123,4 +123,11 @@ std::vector<Triangle> cut_into_ears(const std::vector<Vector3d>& vertices,
   return Rest(vertices, std::move(polygon)).triangles();
 }
 
+std::size_t drop_repeated_corners(std::vector<std::uint32_t>& polygon) {
+  const std::size_t before = polygon.size();
+  polygon.erase(std::unique(polygon.begin(), polygon.end()), polygon.end());
+  while (polygon.size() > 1 && polygon.back() == polygon.front()) polygon.pop_back();
+  return before - polygon.size();
+}
+
 }  // namespace fascicle::mesh

@@ -21,17 +21,21 @@ bool is_covered_by_fan(const std::vector<Vector3d>& vertices, const std::vector<
 std::vector<std::array<std::uint32_t, 3>> cut_into_ears(const std::vector<Vector3d>& vertices,
                                                         std::vector<std::uint32_t> polygon);
 
+// Removes corners that repeat the one before them, the last before the first. Returns how many.
+std::size_t drop_repeated_corners(std::vector<std::uint32_t>& polygon);
+
 // Appends a polygon, as a fan around its first corner if that is right. Calls `fail`, which must throw, with
 // the reason; `base` is the number of the file's first vertex.
 template <typename Fail>
-void append_polygon(SurfaceMesh& mesh, const std::vector<std::uint32_t>& polygon, Fail fail) {
+void append_polygon(SurfaceMesh& mesh, std::vector<std::uint32_t>& polygon, std::uint32_t base, Fail fail) {
   if (polygon.size() < 3) {
     fail("a face with " + std::to_string(polygon.size()) + " corners, fewer than 3; remove it");
   }
+  mesh.repeated_corners += drop_repeated_corners(polygon);
   const auto append = [&](const std::array<std::uint32_t, 3>& t) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-      fail("a face names vertex " + std::to_string(t[0] == t[1] || t[2] == t[0] ? t[0] : t[1]) +
-           " (counted from 0) twice; remove it");
+      fail("a face names vertex " + std::to_string((t[0] == t[1] || t[2] == t[0] ? t[0] : t[1]) + base) +
+           " (counted from " + std::to_string(base) + ") twice; remove it");
     }
     mesh.triangles.push_back(t);
   };

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "host/base/errors.h"
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/surface_builder.h"
 #include "tests/support/seed.h"
@@ -207,6 +208,27 @@ TEST_F(Polygon, AFaceWithAHoleIsCovered) {
     area += up;
   }
   EXPECT_NEAR(area, 8.0, 1e-12);
+}
+
+TEST_F(Polygon, RepeatedCornersAreLeftOutAndCounted) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const SurfaceMesh mesh = read("a.obj", square + "f 1 3 2 2\nf 1 1 3 3 4 1\nf 2 2 3\n");
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 2, 1}, {0, 2, 3}}));
+  EXPECT_EQ(mesh.repeated_corners, 5u);
+  EXPECT_EQ(read("b.obj", square + "f 1 2 3\n").repeated_corners, 0u);
+  const auto refusal = [&](const std::string& name, const std::string& content) -> std::string {
+    try {
+      read(name, content);
+    } catch (const base::SceneError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(refusal("c.obj", square + "f 1 2 1 4\n").find("names vertex 1 (counted from 1) twice"),
+            std::string::npos)
+      << refusal("c.obj", square + "f 1 2 1 4\n");
+  EXPECT_NE(refusal("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 0 2\n").find("0 (counted from 0) twice"),
+            std::string::npos);
 }
 
 }  // namespace
