@@ -1,7 +1,9 @@
 #include "host/build/wrap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <locale>
@@ -9,11 +11,13 @@
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <string.h>
 
+#include "host/build/box_tree.h"
 #include "host/build/mesher.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
@@ -126,6 +130,22 @@ SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
   fail_result("its report ends early or cannot be read");
 }
 
+// Some of a surface's triangles, with the vertices that they use.
+mesh::SurfaceMesh part_of(const mesh::SurfaceMesh& surface,
+                          const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  mesh::SurfaceMesh part;
+  std::unordered_map<std::uint32_t, std::uint32_t> number;
+  for (std::array<std::uint32_t, 3> t : triangles) {
+    for (std::uint32_t& v : t) {
+      const auto [entry, is_new] = number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(surface.vertices[v]);
+      v = entry->second;
+    }
+    part.triangles.push_back(t);
+  }
+  return part;
+}
+
 // Runs `call` and converts system errors into one message.
 template <class Call>
 auto with_system_errors(Call call) {
@@ -185,25 +205,30 @@ void drop_inner_shells(mesh::SurfaceMesh& surface) {
     unions.join(t[0], t[1]);
     unions.join(t[1], t[2]);
   }
-  std::map<std::uint32_t, mesh::SurfaceMesh> parts;  // by lowest vertex; vertices as in the whole
-  for (const auto& t : surface.triangles) parts[unions.find(t[0])].triangles.push_back(t);
+  std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 3>>> parts;  // triangles, by lowest vertex
+  for (const auto& t : surface.triangles) parts[unions.find(t[0])].push_back(t);
   if (parts.size() < 2) return;
-  std::vector<std::uint32_t> inner;
-  for (auto& [first, part] : parts) {
-    part.vertices = surface.vertices;
+  std::vector<char> is_inner(surface.vertices.size(), 0);  // by lowest vertex
+  for (const auto& [first, triangles] : parts) {
+    const mesh::SurfaceMesh part = part_of(surface, triangles);
+    const BoundingBox box = box_around(part.vertices);
+    std::vector<std::uint32_t> asked;
+    for (const auto& [other, unused] : parts) {
+      const scene::Vector3d& p = surface.vertices[other];
+      if (other != first && (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all())
+        asked.push_back(other);
+    }
+    if (asked.empty()) continue;
     const SurfaceSearch search(part);
-    for (const auto& [other, unused] : parts)
-      if (other != first && search.is_inside(surface.vertices[other])) inner.push_back(other);
+    for (const std::uint32_t other : asked)
+      if (search.is_inside(surface.vertices[other])) is_inner[other] = 1;
   }
-  std::erase_if(surface.triangles, [&](const auto& t) {
-    return std::find(inner.begin(), inner.end(), unions.find(t[0])) != inner.end();
-  });
+  std::erase_if(surface.triangles, [&](const auto& t) { return is_inner[unions.find(t[0])] != 0; });
   std::vector<std::uint32_t> number(surface.vertices.size());
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < number.size(); ++v) {
     number[v] = count;
-    if (std::find(inner.begin(), inner.end(), unions.find(v)) == inner.end())
-      surface.vertices[count++] = surface.vertices[v];
+    if (is_inner[unions.find(v)] == 0) surface.vertices[count++] = surface.vertices[v];
   }
   surface.vertices.resize(count);
   for (auto& t : surface.triangles)

@@ -9,6 +9,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "host/build/body_mesh.h"
 #include "host/build/boundary.h"
@@ -517,6 +518,33 @@ TEST(Shells, InsideOthersAreLeftOut) {
   EXPECT_EQ(surface.triangles, outer.triangles);
   const TetMesh filled = build::tetrahedralize(surface, 0.15, {}, with_mesher());
   EXPECT_EQ(parts_of(filled), 2u);
+}
+
+// 3,000 tetrahedra side by side, and one in a ball: what is held grows with the parts, not with their square,
+// which would be 860 MB of vertices.
+TEST(Shells, InManyPartsTakeLittleMemory) {
+  SurfaceMesh grain;
+  grain.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  grain.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  SurfaceMesh grains = grain;
+  for (int k = 1; k < 3000; ++k) append(grains, grain, Vector3d(2.0 * k, 0, 0));
+  append(grains, ball(0.5, 16), Vector3d(-20, 0, 0));
+  const SurfaceMesh outer = grains;
+  append(grains, grain, Vector3d(-20.1, -0.1, -0.1));
+  for (std::size_t k = 1; k < 4; ++k) {
+    Vector3d& p = grains.vertices[grains.vertices.size() - k];
+    p = Vector3d(-20.1, -0.1, -0.1) + 0.1 * (p - Vector3d(-20.1, -0.1, -0.1));
+  }
+  const auto peak = [] {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss / 1024;
+  };
+  const long before = peak();
+  build::drop_inner_shells(grains);
+  EXPECT_LT(peak() - before, 100) << "MiB";
+  EXPECT_EQ(grains.vertices, outer.vertices);
+  EXPECT_EQ(grains.triangles, outer.triangles);
 }
 
 // Counts fused limbs: edges whose ends are anchored on skin that has no weights in common and is more than
