@@ -19,6 +19,7 @@ struct Warning {
   std::string text;
   std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; only the first few of many
   bool is_of_flesh = false;             // irrelevant to a body without soft flesh
+  bool is_of_gravity = false;           // irrelevant without gravity, which a kept model does not depend on
 };
 
 // How a joint of the skeleton was classified (bone_choice.h).

@@ -255,13 +255,14 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
   for (std::uint32_t p = 0; p < parts.count; ++p)
     if (!held[p]) falling.push_back(first[p]);
   std::sort(falling.begin(), falling.end());
-  if (!falling.empty())
-    warn(report,
-         parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
-                            "it fall for ever"
-                          : counted(falling.size(), "part has", "parts have") +
-                                " no vertex that is pinned or moved by bones, and will fall for ever",
-         falling);
+  if (falling.empty()) return;
+  warn(report,
+       parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
+                          "it fall for ever"
+                        : counted(falling.size(), "part has", "parts have") +
+                              " no vertex that is pinned or moved by bones, and will fall for ever",
+       falling);
+  report.warnings.back().is_of_gravity = true;
 }
 
 // A file in centimetres or in hundredths of a metre gives a giant or a dwarf, and gravity acts accordingly.

@@ -19,8 +19,8 @@ void visit_each(Visit& visit, Fields&... fields) {
 
 template <Is<Warning> T, class Visit>
 void for_each_field(T& warning, Visit& visit) {
-  auto& [text, vertices, is_of_flesh] = warning;
-  visit_each(visit, text, vertices, is_of_flesh);
+  auto& [text, vertices, is_of_flesh, is_of_gravity] = warning;
+  visit_each(visit, text, vertices, is_of_flesh, is_of_gravity);
 }
 
 template <Is<JointReport> T, class Visit>
