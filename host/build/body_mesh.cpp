@@ -173,10 +173,10 @@ std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& sk
   return static_cast<std::int32_t>(std::max_element(share.begin(), share.end()) - share.begin());
 }
 
-mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
+mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage, const BuildOptions& options) {
   const mesh::SurfaceMesh& surface = skin.welded.surface;
   const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * alpha, separate_shares});
-  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs);
+  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs, options);
   for (const OpenEnd& end : ends) {
     cage.ends.vertex.push_back(end.loop[0]);
     cage.ends.edges.push_back(static_cast<std::uint32_t>(end.loop.size()));
@@ -214,7 +214,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   order.offset = scene.body.thickness;
 
   auto start = std::chrono::steady_clock::now();
-  const Wrap wrapped = wrap_surface(close_ends(skin, order.alpha, report.fill.cage), order, options);
+  const Wrap wrapped = wrap_surface(close_ends(skin, order.alpha, report.fill.cage, options), order, options);
   const mesh::SurfaceMesh& wrap = wrapped.surface;
   report.fill.cage.alpha = wrapped.alpha;
   report.fill.cage.offset = wrapped.offset;

@@ -112,6 +112,20 @@ TEST(Caps, CloseATube) {
   EXPECT_EQ(odd_edges(build::with_caps(pipe, ends)), 0u);
 }
 
+TEST(Caps, CanBeCancelled) {
+  const SurfaceMesh pipe = upright(0.0, 0.0, 1.0, 0.1, true, true);
+  const build::SkinWeights no_weights;
+  const std::vector<rig::Joint> no_skeleton;
+  const build::Limbs limbs(pipe, no_weights, no_skeleton, {});
+  EXPECT_TRUE(limbs.is_one_limb());
+  int polls = 0;
+  build::BuildOptions options;
+  options.is_cancelled = [&] { return ++polls == 2; };
+  EXPECT_THROW(build::find_open_ends(pipe, limbs, options), build::Cancelled);
+  options.is_cancelled = [] { return false; };
+  EXPECT_EQ(build::find_open_ends(pipe, limbs, options).size(), 2u);
+}
+
 TEST(Caps, OfAConcaveEndStayInside) {
   // The side of a prism over an L that is two squares long each way, with a distant bottom.
   const std::vector<std::array<double, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
