@@ -359,7 +359,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
   check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
-    rings = without_sliding_pairs(ground.rings, model, slides);
+    rings = sliding_rings(scene, ground.rings, ground.volume, model, slides, report);
   else
     rings = memory == nullptr ? std::move(ground.rings) : ground.rings;
   write_weights(scene, layering, ground.volume, std::move(rings),
