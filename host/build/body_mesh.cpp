@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -172,10 +173,10 @@ std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& sk
   return static_cast<std::int32_t>(std::max_element(share.begin(), share.end()) - share.begin());
 }
 
-mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
+mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage, const BuildOptions& options) {
   const mesh::SurfaceMesh& surface = skin.welded.surface;
   const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * alpha, separate_shares});
-  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs);
+  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs, options);
   for (const OpenEnd& end : ends) {
     cage.ends.vertex.push_back(end.loop[0]);
     cage.ends.edges.push_back(static_cast<std::uint32_t>(end.loop.size()));
@@ -184,6 +185,19 @@ mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
     cage.ends.fate.push_back(static_cast<std::uint8_t>(end.fate));
   }
   return with_caps(surface, ends);
+}
+
+// Farther out than ordered, the body is thicker, and parts that do not touch may be one.
+void warn_of_wider_wrap(const WrapOrder& order, const Wrap& wrap, Report& report) {
+  constexpr double offset_of_alpha = 1.0 / 30.0, rounding = 1.01;
+  const double offset = order.offset > 0.0 ? order.offset : offset_of_alpha * order.alpha;
+  if (wrap.alpha == order.alpha && wrap.offset <= rounding * offset) return;
+  std::ostringstream text;
+  text << std::setprecision(3)
+       << "the skin has parts or gaps too thin for the cage's triangles, so the cage lies "
+       << 1e3 * wrap.offset << " mm outside it, and skin less than about " << 2e3 * wrap.alpha
+       << " mm apart is joined; use a smaller resolution (edge length) or more vertices";
+  warn_of_flesh(report, text.str());
 }
 
 BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
@@ -198,12 +212,14 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
     wanted_edge = edge_of_cage(surface, report.fill.cage.skin_volume, *order.vertices);
   if (wanted_edge) order.alpha = std::min(order.alpha, alpha_in_edges * *wanted_edge);
   order.offset = scene.body.thickness;
-  report.fill.cage.alpha = order.alpha;
 
   auto start = std::chrono::steady_clock::now();
-  const mesh::SurfaceMesh wrap =
-      wrap_surface(close_ends(skin, order.alpha, report.fill.cage), order, options);
+  const Wrap wrapped = wrap_surface(close_ends(skin, order.alpha, report.fill.cage, options), order, options);
+  const mesh::SurfaceMesh& wrap = wrapped.surface;
+  report.fill.cage.alpha = wrapped.alpha;
+  report.fill.cage.offset = wrapped.offset;
   report.fill.cage.wrap_seconds = seconds_since(start);
+  warn_of_wider_wrap(order, wrapped, report);
   start = std::chrono::steady_clock::now();
   const double edge = mean_edge(wrap);
   const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, wrap, edge);

@@ -19,6 +19,7 @@ struct Warning {
   std::string text;
   std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; only the first few of many
   bool is_of_flesh = false;             // irrelevant to a body without soft flesh
+  bool is_of_gravity = false;           // irrelevant without gravity, which a kept model does not depend on
 };
 
 // How a joint of the skeleton was classified (bone_choice.h).
@@ -107,7 +108,8 @@ struct CageReport {
   Spread skin_spacing;               // mean edge of each of the skin's vertices
   Spread spacing;                    // the same for the tetrahedra
   Spread edges;                      // of the tetrahedra
-  double alpha = 0.0;                // gaps narrower than this were closed over, m
+  double alpha = 0.0;                // gaps narrower than about twice this were closed over, m
+  double offset = 0.0;               // of the wrap from the skin, before it was moved outward, m
   std::uint32_t cut_tetrahedra = 0;  // duplicated for each of the limbs that touch in them
   double wrap_seconds = 0.0, fill_seconds = 0.0, cut_seconds = 0.0;
 };

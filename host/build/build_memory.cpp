@@ -65,6 +65,9 @@ std::string contact_key_of(const scene::Scene& scene, const ContactGroups& group
   hash.add_array(std::span<const std::uint32_t>(groups.groups));
   hash.add_array(std::span<const std::uint32_t>(groups.ignored));
   hash.add(groups.meets_others_only);
+  // Layers that slide share no regions with the flesh below, which makes a gap of the border.
+  hash.add_array(std::span<const std::uint32_t>(model.ring_offset));
+  hash.add_array(std::span<const std::uint32_t>(model.ring));
   return hash.text();
 }
 

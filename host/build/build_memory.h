@@ -48,7 +48,7 @@ struct FibreMemory {
   std::vector<Warning> warnings;
 };
 
-// Contact depends only on which flesh moves freely and what meets what.
+// Contact depends only on which flesh moves freely, what meets what and what shares regions.
 struct ContactMemory {
   std::string key;
   model::Model arrays;  // those of contact, and no others

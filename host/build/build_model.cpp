@@ -255,23 +255,25 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
   for (std::uint32_t p = 0; p < parts.count; ++p)
     if (!held[p]) falling.push_back(first[p]);
   std::sort(falling.begin(), falling.end());
-  if (!falling.empty())
-    warn(report,
-         parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
-                            "it fall for ever"
-                          : counted(falling.size(), "part has", "parts have") +
-                                " no vertex that is pinned or moved by bones, and will fall for ever",
-         falling);
+  if (falling.empty()) return;
+  warn(report,
+       parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
+                          "it fall for ever"
+                        : counted(falling.size(), "part has", "parts have") +
+                              " no vertex that is pinned or moved by bones, and will fall for ever",
+       falling);
+  report.warnings.back().is_of_gravity = true;
 }
 
-// A file in centimetres or in hundredths of a metre gives a giant or a dwarf, and gravity acts accordingly.
-void warn_of_size(double size, const std::string& name, Report& report) {
+constexpr const char* scale_root = "scale its root there";
+
+// A file in millimetres or in hundredths of a metre gives a giant or a dwarf, and gravity acts accordingly.
+void warn_of_size(double size, const std::string& name, const std::string& cure, Report& report) {
   constexpr double smallest = 0.05, largest = 20.0;
   if (size >= smallest && size <= largest) return;
   std::ostringstream text;
-  text << std::setprecision(3) << name << " is " << size
-       << " m long; if its file is not in metres, scale its root there, or gravity and stiffness will not "
-          "match its size";
+  text << std::setprecision(3) << name << " is " << size << " m long; if its file is not in metres, " << cure
+       << ", or gravity and stiffness will not match its size";
   warn_of_flesh(report, text.str());
 }
 
@@ -309,7 +311,10 @@ std::unique_ptr<Ground> lay_ground(const scene::Scene& scene, const BuildOptions
   write_rest(body.mesh, scene.source, model);
 
   if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
-    warn_of_size(model::extent(model), "the character", report);
+    warn_of_size(model::extent(model), "the character", scale_root, report);
+  else if (std::holds_alternative<mesh::TetMesh>(scene.geometry) ||
+           std::holds_alternative<mesh::SurfaceMesh>(scene.geometry))
+    warn_of_size(model::extent(model), "the mesh", "set mesh.scale", report);
 
   ground.rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, ground.rings, report);
@@ -354,7 +359,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
   check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
-    rings = without_sliding_pairs(ground.rings, model, slides);
+    rings = sliding_rings(scene, ground.rings, ground.volume, model, slides, report);
   else
     rings = memory == nullptr ? std::move(ground.rings) : ground.rings;
   write_weights(scene, layering, ground.volume, std::move(rings),
@@ -375,7 +380,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   if (!scene.characters.empty()) {
     const std::vector<double> sizes = model::extents(model, scene::first_joints(scene));
     for (std::size_t k = 0; k < sizes.size(); ++k)
-      warn_of_size(sizes[k], "the character " + scene.characters[k].settings.name, report);
+      warn_of_size(sizes[k], "the character " + scene.characters[k].settings.name, scale_root, report);
   }
   write_muscles(scene, body, test, model, report);
   check_cancelled(options);

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "host/build/box_tree.h"
+#include "host/build/mesher.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
 
@@ -166,8 +167,9 @@ class Ends {
     for (const Triangle& t : skin.triangles) area_[parts_.find(t[0])] += area_of(skin, t);
   }
 
-  std::vector<OpenEnd> find() {
+  std::vector<OpenEnd> find(const BuildOptions& options) {
     for (auto& loop : loops_of(odd_edges(skin_))) {
+      check_cancelled(options);
       OpenEnd& end = ends_.emplace_back();
       end.triangles = triangulation(skin_, loop);
       end.width = width_of(skin_, loop);
@@ -176,8 +178,11 @@ class Ends {
       if (area > most_of_part * area_[parts_.find(loop[0])]) end.fate = OpenEnd::Fate::sheet;
       end.loop = std::move(loop);
     }
-    for (OpenEnd& end : ends_)
+    if (limbs_.is_one_limb()) return std::move(ends_);
+    for (OpenEnd& end : ends_) {
+      check_cancelled(options);
       if (end.fate == OpenEnd::Fate::closed && joins_limbs(end)) end.fate = OpenEnd::Fate::hem;
+    }
     return std::move(ends_);
   }
 
@@ -242,8 +247,9 @@ class Ends {
 
 }  // namespace
 
-std::vector<OpenEnd> find_open_ends(const SurfaceMesh& skin, const Limbs& limbs) {
-  return Ends(skin, limbs).find();
+std::vector<OpenEnd> find_open_ends(const SurfaceMesh& skin, const Limbs& limbs,
+                                    const BuildOptions& options) {
+  return Ends(skin, limbs).find(options);
 }
 
 SurfaceMesh with_caps(const SurfaceMesh& skin, const std::vector<OpenEnd>& ends) {

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/build/build.h"
 #include "host/build/limbs.h"
 #include "host/scene/scene.h"
 
@@ -26,8 +27,9 @@ struct OpenEnd {
   double width = 0.0;  // m: between the two vertices of the loop that are farthest apart
 };
 
-// The open ends of a welded skin, by their lowest vertex.
-std::vector<OpenEnd> find_open_ends(const mesh::SurfaceMesh& skin, const Limbs& limbs);
+// The open ends of a welded skin, by their lowest vertex. Throws Cancelled.
+std::vector<OpenEnd> find_open_ends(const mesh::SurfaceMesh& skin, const Limbs& limbs,
+                                    const BuildOptions& options = {});
 
 // The skin followed by the triangles that close its ends.
 mesh::SurfaceMesh with_caps(const mesh::SurfaceMesh& skin, const std::vector<OpenEnd>& ends);

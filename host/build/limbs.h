@@ -27,6 +27,9 @@ class Limbs {
   Limbs(const mesh::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<rig::Joint>& skeleton,
         Separation separation, const Partings* partings = nullptr);
 
+  // Without weights, all skin is one limb.
+  bool is_one_limb() const { return weights_.offset.empty(); }
+
   // Whether two sets of triangles belong to different limbs: any triangle of one has too little in common
   // with the mean of the other, and the path between them is long enough. If there is no path at all, as
   // between an eye and its head, it is also required that no joint of one is the parent of a joint of the

@@ -1,7 +1,12 @@
 #include "host/build/mesher.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <csignal>
+#include <stdexcept>
+
+#include <string.h>
 
 namespace fascicle::build {
 
@@ -74,6 +79,22 @@ void check_time(const ProcessResult& result, const ProcessLimits& limits, const 
     throw SceneError(
         what + " made no progress for " + seconds +
         ": the mesher got no processor time; find out what keeps this machine busy, and try again");
+}
+
+void check_machine(const ProcessResult& result, const std::string& what) {
+  const std::string helper = mesher_name;
+  // Its own faults end it by other signals, and its limits on time and memory do not kill it.
+  constexpr std::array from_outside{SIGKILL, SIGTERM, SIGHUP, SIGINT};
+  if (result.end == ProcessEnd::signalled &&
+      std::find(from_outside.begin(), from_outside.end(), result.code) != from_outside.end())
+    throw std::runtime_error(helper + " was killed from outside (" + ::strsignal(result.code) + ") while " +
+                             what + ", often for lack of memory; free or request more memory, and try again");
+  if (result.end == ProcessEnd::exited &&
+      (result.code == mesher_unreadable || result.code == mesher_cannot_write))
+    throw std::runtime_error(helper + " could not " + (result.code == mesher_unreadable ? "read" : "write") +
+                             " its files while " + what + reason(result) +
+                             "; check the free space and permissions of the folder for temporary files "
+                             "(TMPDIR), and the limit on the size of files (ulimit -f)");
 }
 
 void fail_result(const std::string& what) {

@@ -13,11 +13,13 @@ namespace fascicle::build {
 // The exit status, as fascicle-mesher --help documents it.
 enum MesherStatus : int {
   mesher_done = 0,
+  mesher_unreadable = 3,
   mesher_not_closed = 4,
   mesher_self_intersecting = 5,
   mesher_out_of_memory = 6,
   mesher_failed = 7,
   mesher_empty_result = 8,
+  mesher_cannot_write = 9,
   mesher_wrap_failed = 10,
 };
 
@@ -59,6 +61,10 @@ std::string reason(const ProcessResult& result);
 // names what needs less time.
 void check_time(const ProcessResult& result, const ProcessLimits& limits, const std::string& what,
                 const std::string& cure);
+
+// Throws std::runtime_error if the machine ended a run, not the surface: the mesher was killed from outside,
+// or could not read or write its files. `what` as above.
+void check_machine(const ProcessResult& result, const std::string& what);
 
 // Reports that a result cannot be used, and what to do. Throws scene::SceneError.
 [[noreturn]] void fail_result(const std::string& what);

@@ -19,8 +19,8 @@ void visit_each(Visit& visit, Fields&... fields) {
 
 template <Is<Warning> T, class Visit>
 void for_each_field(T& warning, Visit& visit) {
-  auto& [text, vertices, is_of_flesh] = warning;
-  visit_each(visit, text, vertices, is_of_flesh);
+  auto& [text, vertices, is_of_flesh, is_of_gravity] = warning;
+  visit_each(visit, text, vertices, is_of_flesh, is_of_gravity);
 }
 
 template <Is<JointReport> T, class Visit>
@@ -75,10 +75,10 @@ void for_each_field(T& ends, Visit& visit) {
 
 template <Is<CageReport> T, class Visit>
 void for_each_field(T& cage, Visit& visit) {
-  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha,
+  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha, offset,
          cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds] = cage;
   visit_each(visit, has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges,
-             alpha, cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds);
+             alpha, offset, cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds);
 }
 
 template <Is<FillReport> T, class Visit>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 
 #include <Eigen/Core>
 
@@ -14,7 +16,10 @@ using Eigen::Vector3d;
 
 constexpr double share_steps = 65536.0;
 
-// Rounds to steps; if rounding up exceeds the total, the largest share is reduced.
+// Rounds to steps. If rounding up exceeds the total, the largest share is reduced, which keeps the bits of
+// models; where it is too small to bear all of the excess, as beside hundreds of neighbours, those that were
+// rounded up most lose a step each. They are enough: what exceeds the total was rounded up, by at most half a
+// step each.
 void quantise(std::span<const double> exact, std::vector<std::int32_t>& steps) {
   steps.resize(exact.size());
   std::int32_t sum = 0;
@@ -23,7 +28,18 @@ void quantise(std::span<const double> exact, std::vector<std::int32_t>& steps) {
     sum += steps[k];
   }
   const std::int32_t excess = sum - static_cast<std::int32_t>(share_steps);
-  if (excess > 0) *std::max_element(steps.begin(), steps.end()) -= excess;
+  if (excess <= 0) return;
+  if (const auto largest = std::max_element(steps.begin(), steps.end()); *largest >= excess) {
+    *largest -= excess;
+    return;
+  }
+  std::vector<std::size_t> order(exact.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto rounded_up = [&](std::size_t k) { return steps[k] - exact[k] * share_steps; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rounded_up(a) > rounded_up(b); });
+  const std::size_t count = std::min(static_cast<std::size_t>(excess), order.size());
+  for (std::size_t k = 0; k < count; ++k) --steps[order[k]];
 }
 
 // 1 minus the shares given away: exact, since all are multiples of 2^-16.

@@ -63,6 +63,14 @@ double compliance(const Symmetric& w, const Symmetric& s) {
          determinant;
 }
 
+// Whether a compliance C_r is only that of rounding: members in a plane, which differ from it by less than a
+// millionth of the region's size, or no number at all.
+bool is_stiff_by_rounding(double compliance, const Symmetric& s) {
+  constexpr double most = 1e12;
+  const double stiffness = compliance * (s[0] + s[1] + s[2]);
+  return !(stiffness > 0.0 && stiffness < most);
+}
+
 // C_r of a sheet of unit normal n, from its S.
 double sheet_compliance(const Vector3d& n, const Symmetric& s) {
   const auto [xx, yy, zz, xy, xz, yz] = s;
@@ -187,6 +195,41 @@ std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState&
     k[r] = volume[r] * c / (unit * unit);
   }
   return k;
+}
+
+OneRings sliding_rings(const scene::Scene& scene, const OneRings& rings, std::span<const double> volume,
+                       const model::Model& model, const std::vector<char>& slides, Report& report) {
+  OneRings cut = without_sliding_pairs(rings, model, slides);
+  if (scene.solver.integrator != scene::Integrator::implicit_step) return cut;
+  const RestState state{model.rest, model.mass, model.fibre, model.beta};
+  const std::vector<Symmetric> directions = stress_directions(state, model, scene.source, slides);
+  std::vector<char> keeps(rings.size(), 0);
+  std::vector<std::uint32_t> kept;
+  for (;;) {
+    const std::vector<Vector3d> sheets = sheet_normals(cut, state, model, slides, scene.source);
+    const std::vector<double> per_pascal =
+        stiffness_per_pascal(cut, state, directions, volume, model.unit, sheets);
+    const std::size_t before = kept.size();
+    for (std::uint32_t r = 0; r < rings.size(); ++r) {
+      if (keeps[r] != 0 || cut.degree(r) == rings.degree(r)) continue;
+      if (is_stiff_by_rounding(per_pascal[r] / volume[r] * model.unit * model.unit,
+                               second_moment(cut, state, r))) {
+        keeps[r] = 1;
+        kept.push_back(model.source_vertex[r]);
+      }
+    }
+    if (kept.size() == before) break;
+    cut = without_sliding_pairs(rings, model, slides, keeps);
+  }
+  std::sort(kept.begin(), kept.end());
+  if (!kept.empty())
+    warn_of_flesh(report,
+                  counted(kept.size(), "vertex does", "vertices do") +
+                      " not slide, because too few neighbours in its own layer would be left to give it "
+                      "stiffness (vertex " +
+                      list_of(kept) + ")",
+                  kept);
+  return cut;
 }
 
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,

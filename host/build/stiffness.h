@@ -43,6 +43,12 @@ std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState&
                                          std::span<const double> volume, double unit,
                                          std::span<const Eigen::Vector3d> sheets = {});
 
+// The one-rings of a scene with layers that slide (ties.h). In an implicit scene, vertices that would be left
+// with neighbours in a plane, or those of a sheet on a line, keep all of theirs: such regions have no
+// stiffness. They are told in a warning.
+OneRings sliding_rings(const scene::Scene& scene, const OneRings& rings, std::span<const double> volume,
+                       const model::Model& model, const std::vector<char>& slides, Report& report);
+
 // What make_elastic keeps for another scene that differs only in moduli, frequencies and damping: body,
 // layers, masses and weights are the same.
 struct ElasticMemory {

@@ -61,7 +61,7 @@ void check_count(const SurfaceMesh& surface, double edge, const BuildOptions& op
 
 void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   std::ofstream file(path);
-  file << points.size() << '\n';
+  file << std::to_string(points.size()) << '\n';  // a program's locale may group digits
   for (const Vector3d& p : points) {
     file << digits_of(p.x()) << ' ' << digits_of(p.y()) << ' ' << digits_of(p.z()) << '\n';
   }
@@ -78,16 +78,16 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
 // Converts a failed run into one message.
 [[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
                            std::size_t triangles, const ProcessLimits& limits, const BuildOptions& options) {
-  check_time(result, limits, "filling the surface with tetrahedra",
-             "use a larger resolution (edge length) or simplify the surface");
+  const std::string what = "filling the surface with tetrahedra";
+  const std::string cure = "use a larger resolution (edge length) or simplify the surface";
+  check_time(result, limits, what, cure);
+  check_machine(result, what);
   const bool crashed = result.end == ProcessEnd::signalled;
   if (!crashed && result.code == mesher_not_closed) {
     throw SceneError("the surface does not enclose a volume" + reason(result) +
                      " (counted from 0); weld its vertices, close its holes and remove loose parts");
   }
-  if (!crashed && result.code == mesher_out_of_memory)
-    fail_memory(limits, options, triangles, "filling the surface with tetrahedra",
-                "use a larger resolution (edge length) or simplify the surface");
+  if (!crashed && result.code == mesher_out_of_memory) fail_memory(limits, options, triangles, what, cure);
   if (!crashed && result.code == mesher_empty_result) {
     throw SceneError("no tetrahedra fit into the surface; check that it encloses a volume");
   }

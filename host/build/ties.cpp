@@ -174,13 +174,16 @@ std::vector<std::array<std::uint32_t, 3>> triangles_below(const Model& model,
   return triangles;
 }
 
-OneRings without_sliding_pairs(const OneRings& rings, const Model& model, const std::vector<char>& slides) {
+OneRings without_sliding_pairs(const OneRings& rings, const Model& model, const std::vector<char>& slides,
+                               const std::vector<char>& keeps) {
+  const auto holds = [&](std::uint32_t i) {
+    return model.is_kinematic(i) || (!keeps.empty() && keeps[i] != 0);
+  };
   OneRings cut;
   cut.offset.push_back(0);
   for (std::uint32_t i = 0; i < rings.size(); ++i) {
     for (const std::uint32_t j : rings[i])
-      if (slides[i] == slides[j] || model.is_kinematic(i) || model.is_kinematic(j))
-        cut.neighbour.push_back(j);
+      if (slides[i] == slides[j] || holds(i) || holds(j)) cut.neighbour.push_back(j);
     cut.offset.push_back(static_cast<std::uint32_t>(cut.neighbour.size()));
   }
   return cut;

@@ -27,9 +27,10 @@ std::vector<std::array<std::uint32_t, 3>> triangles_below(const model::Model& mo
                                                           const std::vector<char>& slides);
 
 // The one-rings without pairs of a free vertex of such a layer and a free vertex of another. Kinematic
-// vertices keep their pairs: skin is attached there.
+// vertices keep their pairs: skin is attached there. So do those in `keeps`, a flag per vertex, if there are
+// any.
 OneRings without_sliding_pairs(const OneRings& rings, const model::Model& model,
-                               const std::vector<char>& slides);
+                               const std::vector<char>& slides, const std::vector<char>& keeps = {});
 
 // The unit normals of sheet regions: those of free vertices of sliding layers whose members all lie on the
 // surface in such layers; 0 for all others. Area-weighted over the surface's triangles within these layers.

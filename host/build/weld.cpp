@@ -156,6 +156,12 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
                               " two corners at the same place and " + (collapsed == 1 ? "was" : "were") +
                               " left out of the body");
 
+  if (surface.repeated_corners > 0)
+    warn(report, counted(surface.repeated_corners, "corner of the file's faces repeats",
+                         "corners of the file's faces repeat") +
+                     " the one before " + (surface.repeated_corners == 1 ? "it and was" : "them and were") +
+                     " left out");
+
   std::vector<std::uint32_t> number(surface.vertices.size(), 0);
   for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)
     if (used[i]) {

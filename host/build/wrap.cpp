@@ -1,18 +1,23 @@
 #include "host/build/wrap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <locale>
 #include <map>
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <string.h>
 
+#include "host/build/box_tree.h"
 #include "host/build/mesher.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
@@ -26,16 +31,17 @@ namespace fs = std::filesystem;
 using scene::SceneError;
 
 // Runs the mesher on so many triangles. `what` names the task in messages; `vertices` is the number it makes.
-void run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
-         double vertices, const BuildOptions& options) {
+ProcessResult run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
+                  double vertices, const BuildOptions& options) {
   // Measured: a wrap of 20,000 vertices takes 4 KB per vertex, the check of 7000 triangles less than 1 KB
   // each.
   constexpr double bytes_each = 65536.0;
   const std::string cure = "use less cage_detail or a larger resolution, or simplify the surface";
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
-  const ProcessResult result = run_mesher(mesher, arguments, limits);
+  ProcessResult result = run_mesher(mesher, arguments, limits);
   check_time(result, limits, what, cure);
+  check_machine(result, what);
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
                      "; simplify the surface");
@@ -45,6 +51,17 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
   if (result.code != mesher_done)
     throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
                      reason(result) + "; check that it belongs to this version of fascicle");
+  return result;
+}
+
+// The alpha and offset of the mesher's last line.
+void read_lengths(const ProcessResult& result, Wrap& wrap) {
+  std::istringstream words(base::last_line(result, mesher_name));
+  words.imbue(std::locale::classic());
+  std::string alpha, offset;
+  words >> alpha >> wrap.alpha >> offset >> wrap.offset;
+  if (!words || alpha != "alpha" || offset != "offset" || !(wrap.alpha > 0.0) || !(wrap.offset > 0.0))
+    fail_result("it does not say its alpha and offset");
 }
 
 // The vertices of a wrap whose triangles have this edge, on both sides in case the surface is a sheet.
@@ -113,6 +130,22 @@ SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
   fail_result("its report ends early or cannot be read");
 }
 
+// Some of a surface's triangles, with the vertices that they use.
+mesh::SurfaceMesh part_of(const mesh::SurfaceMesh& surface,
+                          const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  mesh::SurfaceMesh part;
+  std::unordered_map<std::uint32_t, std::uint32_t> number;
+  for (std::array<std::uint32_t, 3> t : triangles) {
+    for (std::uint32_t& v : t) {
+      const auto [entry, is_new] = number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(surface.vertices[v]);
+      v = entry->second;
+    }
+    part.triangles.push_back(t);
+  }
+  return part;
+}
+
 // Runs `call` and converts system errors into one message.
 template <class Call>
 auto with_system_errors(Call call) {
@@ -138,8 +171,7 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
   });
 }
 
-mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
-                               const BuildOptions& options) {
+Wrap wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order, const BuildOptions& options) {
   check_count(surface, order, options);
   return with_system_errors([&] {
     const TemporaryFolder folder;
@@ -151,10 +183,13 @@ mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder
       arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
     else if (order.vertices)
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
-    run("wrapping the surface", arguments, surface.triangles.size(), vertices_due(surface, order), options);
+    Wrap wrap;
+    read_lengths(run("wrapping the surface", arguments, surface.triangles.size(),
+                     vertices_due(surface, order), options),
+                 wrap);
     try {
-      mesh::SurfaceMesh wrap = mesh::read_surface_mesh(out);
-      drop_inner_shells(wrap);
+      wrap.surface = mesh::read_surface_mesh(out);
+      drop_inner_shells(wrap.surface);
       return wrap;
     } catch (const SceneError& error) {
       std::string what = error.what();
@@ -170,25 +205,30 @@ void drop_inner_shells(mesh::SurfaceMesh& surface) {
     unions.join(t[0], t[1]);
     unions.join(t[1], t[2]);
   }
-  std::map<std::uint32_t, mesh::SurfaceMesh> parts;  // by lowest vertex; vertices as in the whole
-  for (const auto& t : surface.triangles) parts[unions.find(t[0])].triangles.push_back(t);
+  std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 3>>> parts;  // triangles, by lowest vertex
+  for (const auto& t : surface.triangles) parts[unions.find(t[0])].push_back(t);
   if (parts.size() < 2) return;
-  std::vector<std::uint32_t> inner;
-  for (auto& [first, part] : parts) {
-    part.vertices = surface.vertices;
+  std::vector<char> is_inner(surface.vertices.size(), 0);  // by lowest vertex
+  for (const auto& [first, triangles] : parts) {
+    const mesh::SurfaceMesh part = part_of(surface, triangles);
+    const BoundingBox box = box_around(part.vertices);
+    std::vector<std::uint32_t> asked;
+    for (const auto& [other, unused] : parts) {
+      const scene::Vector3d& p = surface.vertices[other];
+      if (other != first && (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all())
+        asked.push_back(other);
+    }
+    if (asked.empty()) continue;
     const SurfaceSearch search(part);
-    for (const auto& [other, unused] : parts)
-      if (other != first && search.is_inside(surface.vertices[other])) inner.push_back(other);
+    for (const std::uint32_t other : asked)
+      if (search.is_inside(surface.vertices[other])) is_inner[other] = 1;
   }
-  std::erase_if(surface.triangles, [&](const auto& t) {
-    return std::find(inner.begin(), inner.end(), unions.find(t[0])) != inner.end();
-  });
+  std::erase_if(surface.triangles, [&](const auto& t) { return is_inner[unions.find(t[0])] != 0; });
   std::vector<std::uint32_t> number(surface.vertices.size());
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < number.size(); ++v) {
     number[v] = count;
-    if (std::find(inner.begin(), inner.end(), unions.find(v)) == inner.end())
-      surface.vertices[count++] = surface.vertices[v];
+    if (is_inner[unions.find(v)] == 0) surface.vertices[count++] = surface.vertices[v];
   }
   surface.vertices.resize(count);
   for (auto& t : surface.triangles)

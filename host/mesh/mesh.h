@@ -19,6 +19,7 @@ struct TetMesh {
 struct SurfaceMesh {
   std::vector<Vector3d> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t repeated_corners = 0;  // of the file's faces, left out
 };
 
 }  // namespace fascicle::mesh

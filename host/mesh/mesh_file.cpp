@@ -89,6 +89,11 @@ std::string read_whole_file(const fs::path& path) {
   return base::read_input(path, largest_mesh_file);
 }
 
+std::string other_cells(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " volume cell is not a tetrahedron of four vertices"
+                                             : " volume cells are not tetrahedra of four vertices");
+}
+
 bool is_tet_mesh_file(const fs::path& path) {
   return is_one_of(base::lower_extension(path), {".mesh", ".node", ".ele", ".msh", ".vtu"});
 }

@@ -283,7 +283,7 @@ void read_face(Values& values, const Element& element, SurfaceMesh& mesh,
         }
         v = static_cast<std::uint32_t>(value);
       }
-      append_polygon(mesh, polygon, [&](const std::string& what) { values.fail(what); });
+      append_polygon(mesh, polygon, 0, [&](const std::string& what) { values.fail(what); });
     } else if (property.count_type) {
       skip_list(values, property);
     } else {

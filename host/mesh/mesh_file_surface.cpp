@@ -140,7 +140,7 @@ SurfaceMesh read_off(const std::string& file, std::string_view text) {
   for (std::size_t i = 0; i < face_count; ++i) {
     polygon.resize(scanner.count("the number of corners", 2));
     for (std::uint32_t& v : polygon) v = scanner.index(mesh.vertices.size(), 0);
-    append_polygon(mesh, polygon, [&](const std::string& what) { scanner.fail(what); });
+    append_polygon(mesh, polygon, 0, [&](const std::string& what) { scanner.fail(what); });
     scanner.skip_line();  // a colour
   }
   if (!scanner.at_end()) {
@@ -192,7 +192,7 @@ SurfaceMesh read_obj(const std::string& file, std::string_view text) {
     } else if (keyword == "f") {
       polygon.clear();
       while (line_goes_on()) polygon.push_back(corner());
-      append_polygon(mesh, polygon, [&](const std::string& what) { scanner.fail(what); });
+      append_polygon(mesh, polygon, 1, [&](const std::string& what) { scanner.fail(what); });
     } else {
       const char first = keyword.front();
       if (!((first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z'))) {

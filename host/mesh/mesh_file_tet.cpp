@@ -26,6 +26,13 @@ void append_tetrahedron(TetMesh& mesh, const Tetrahedron& t, const TextScanner& 
   mesh.tetrahedra.push_back(t);
 }
 
+// Gmsh's types of elements that fill space: of five to eight sides or corners, and of higher order.
+bool is_volume(std::uint64_t type) {
+  return (type >= 4 && type <= 7) || (type >= 11 && type <= 14) || (type >= 17 && type <= 19) ||
+         (type >= 29 && type <= 33) || type == 35 || (type >= 71 && type <= 75) ||
+         (type >= 79 && type <= 83) || (type >= 87 && type <= 132);
+}
+
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
@@ -94,6 +101,11 @@ TetMesh read_medit(const std::string& file, std::string_view text) {
         append_tetrahedron(mesh, t, scanner);
         scanner.word("a tetrahedron's reference");
       }
+    } else if (keyword == "Hexahedra" || keyword == "Prisms" || keyword == "Pyramids" ||
+               keyword == "TetrahedraP2") {
+      const std::size_t count = scanner.count("the number of cells", tetrahedron_bytes + 2);
+      if (count > 0)
+        scanner.fail(other_cells(count) + " (" + std::string(keyword) + "); split them into tetrahedra");
     } else {
       // Triangles, Edges, Corners, Normals and other sections: skips numbers up to the next keyword.
       while (!scanner.at_end() && !is_letter(scanner.peek().front())) scanner.word("a number");
@@ -200,9 +212,11 @@ TetMesh read_gmsh(const std::string& file, std::string_view text) {
       has_elements = true;
       const std::size_t count = scanner.count("the number of elements", 6);  // a point element is "1 15 0 1"
                                                                              // or longer
+      std::size_t others = 0;
       for (std::size_t i = 0; i < count; ++i) {
         scanner.whole("an element's number");
-        if (scanner.whole("an element's type") != four_node_tetrahedron) {
+        if (const std::uint64_t type = scanner.whole("an element's type"); type != four_node_tetrahedron) {
+          others += is_volume(type) ? 1U : 0U;
           scanner.skip_line();
           continue;
         }
@@ -221,6 +235,8 @@ TetMesh read_gmsh(const std::string& file, std::string_view text) {
         append_tetrahedron(mesh, t, scanner);
       }
       expect("$EndElements");
+      if (others > 0)
+        scanner.fail(other_cells(others) + "; split them, or mesh the volume again (gmsh -3 -order 1)");
     } else {
       scanner.until("$End" + std::string(section.substr(1)));
     }

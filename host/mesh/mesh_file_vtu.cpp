@@ -167,6 +167,14 @@ Grid read_grid(const std::string& file, TextScanner& scanner) {
   return grid;
 }
 
+// VTK's types of cells that fill space, except the tetrahedron of four vertices: voxels to hexagonal prisms,
+// those of second order, polyhedra, and those of any order.
+bool is_other_volume(std::uint64_t type) {
+  return (type >= 11 && type <= 16) || (type >= 24 && type <= 27) || type == 29 ||
+         (type >= 31 && type <= 33) || type == 37 || type == 41 || type == 42 || (type >= 64 && type <= 67) ||
+         (type >= 71 && type <= 74) || (type >= 78 && type <= 81);
+}
+
 }  // namespace
 
 TetMesh read_vtu(const std::string& file, std::string_view text) {
@@ -183,6 +191,7 @@ TetMesh read_vtu(const std::string& file, std::string_view text) {
                  " types; the file is damaged, save it again");
   }
   TetMesh mesh;
+  std::size_t others = 0;
   std::uint64_t start = 0;
   for (std::size_t cell = 0; cell < grid.types.size(); ++cell) {
     const std::uint64_t end = grid.offsets[cell];
@@ -191,6 +200,7 @@ TetMesh read_vtu(const std::string& file, std::string_view text) {
       scanner.fail(name + " ends at offset " + std::to_string(end) +
                    ", outside the connectivity; save the file again");
     }
+    others += is_other_volume(grid.types[cell]) ? 1U : 0U;
     if (grid.types[cell] == vtk_tetra) {
       if (end - start != 4)
         scanner.fail(name + " is a tetrahedron without four vertices; save the file again");
@@ -210,6 +220,7 @@ TetMesh read_vtu(const std::string& file, std::string_view text) {
     }
     start = end;
   }
+  if (others > 0) scanner.fail(other_cells(others) + "; split them (ParaView: Tetrahedralize)");
   if (mesh.tetrahedra.empty())
     scanner.fail("no tetrahedra (cell type 10) in this file; mesh the volume first");
   mesh.vertices = std::move(grid.points);

@@ -4,6 +4,7 @@
 // the file, including unused ones.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -17,6 +18,9 @@ namespace fascicle::mesh {
 inline constexpr std::uint64_t largest_mesh_file = std::uint64_t{2} << 30;
 
 std::string read_whole_file(const std::filesystem::path& path);
+
+// "1 volume cell is not a tetrahedron of four vertices": left out, it would leave a hole in the body.
+std::string other_cells(std::size_t count);
 
 TetMesh read_medit(const std::string& file, std::string_view text);
 TetMesh read_tetgen(const std::string& node_file, std::string_view nodes, const std::string& ele_file,

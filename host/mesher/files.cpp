@@ -68,11 +68,7 @@ class Words {
 };
 
 void append_point(std::string& text, const Point& point) {
-  for (const double coordinate : point) {
-    std::array<char, 32> digits;
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), coordinate);
-    text.append(digits.data(), end).append(" ");
-  }
+  for (const double coordinate : point) text.append(text_of(coordinate)).append(" ");
 }
 
 }  // namespace
@@ -103,6 +99,12 @@ std::vector<Point> read_points(const std::string& path) {
   std::vector<Point> points(static_cast<std::size_t>(words.count(3)));
   for (Point& point : points) point = words.point();
   return points;
+}
+
+std::string text_of(double number) {
+  std::array<char, 32> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  return {digits.data(), end};
 }
 
 std::string text_of(const Volume& volume) {

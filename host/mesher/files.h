@@ -35,5 +35,6 @@ struct Volume {
 // With full precision.
 std::string text_of(const Volume& volume);    // MEDIT .mesh
 std::string text_of(const Surface& surface);  // OFF
+std::string text_of(double number);
 
 }  // namespace fascicle::mesher

@@ -45,8 +45,12 @@ constexpr const char* help =
     "  fascicle-mesher wrap IN.off OUT.off --alpha A [--offset O] [--edge L | --vertices N]\n"
     "      Writes a closed surface around any surface, at a distance of about O (default A/30), that closes "
     "gaps\n"
-    "      and holes narrower than A; of triangles with sides of about L, or such that about N vertices fill "
+    "      and holes narrower than about 2 A; of triangles with sides of about L, or such that about N "
+    "vertices fill "
     "it.\n"
+    "      If such triangles cross at thin parts, A is L and O is at least L/3. The last line on stderr has "
+    "the A\n"
+    "      and O used.\n"
     "  fascicle-mesher --help | --version\n"
     "\n"
     "Exit status: 0 done, 2 bad usage, 3 a file cannot be read, 4 the surface is not closed, 5 it crosses "
@@ -160,7 +164,13 @@ void run_wrap(const Options& options) {
   if (settings.offset == 0.0) settings.offset = offset_of_alpha * settings.alpha;
   if (settings.edge && settings.vertices)
     throw Failure(bad_usage, "--edge and --vertices exclude each other");
-  write_from_sandbox(options, [&] { return text_of(wrap(read_surface(options.input), settings)); });
+  Wrap found;
+  write_from_sandbox(options, [&] {
+    found = wrap(read_surface(options.input), settings);
+    return text_of(found.surface);
+  });
+  std::fprintf(stderr, "fascicle-mesher: alpha %s offset %s\n", text_of(found.alpha).c_str(),
+               text_of(found.offset).c_str());
 }
 
 int run(const std::vector<std::string>& arguments) {

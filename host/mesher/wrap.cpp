@@ -99,20 +99,21 @@ Surface as_surface(const Mesh& mesh) {
 
 }  // namespace
 
-Surface wrap(const Surface& surface, const WrapSettings& settings) {
+Wrap wrap(const Surface& surface, const WrapSettings& settings) {
   try {
     const Mesh mesh = wrapped(surface, settings.alpha, settings.offset);
     if (mesh.number_of_faces() == 0) throw Failure(wrap_failed, "the wrap is empty");
-    if (!settings.edge && !settings.vertices) return as_surface(mesh);
+    if (!settings.edge && !settings.vertices) return {as_surface(mesh), settings.alpha, settings.offset};
     const double edge = settings.edge ? *settings.edge
                                       : edge_for(processing::area(mesh), processing::volume(mesh),
                                                  static_cast<double>(*settings.vertices));
-    if (const auto found = remeshed(mesh, edge)) return as_surface(*found);
+    if (const auto found = remeshed(mesh, edge)) return {as_surface(*found), settings.alpha, settings.offset};
     // Sheets thinner than the triangles cannot be remeshed. A new wrap, offset by a third of an edge, makes
     // them thicker.
     constexpr double offset_in_edges = 1.0 / 3.0;
     const double offset = std::max(settings.offset, offset_in_edges * edge);
-    if (const auto found = remeshed(wrapped(surface, edge, offset), edge)) return as_surface(*found);
+    if (const auto found = remeshed(wrapped(surface, edge, offset), edge))
+      return {as_surface(*found), edge, offset};
     throw Failure(wrap_failed, "the wrapped surface crosses itself at triangles of that size");
   } catch (const std::logic_error& error) {  // how CGAL reports a violated precondition
     throw Failure(wrap_failed, std::string("CGAL gave up: ") + error.what());

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "host/pipeline/kept_model.h"
 #include "host/pipeline/long_wait.h"
@@ -28,6 +29,11 @@ build::BuildOptions with_words(const build::BuildOptions& options, const Say& sa
   return result;
 }
 
+void leave_out_irrelevant_warnings(const scene::Scene& scene, build::Report& report) {
+  if (scene.gravity.isZero(0.0))
+    std::erase_if(report.warnings, [](const build::Warning& warning) { return warning.is_of_gravity; });
+}
+
 }  // namespace
 
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say) {
@@ -47,6 +53,7 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
     if (key && built.report.seconds >= least_kept_seconds)
       keep_model(*key, built.model, built.report, options);
   }
+  leave_out_irrelevant_warnings(scene, built.report);
   built.steps = build::choose_steps(scene, built.model, built.report);
   if (built.report.is_kept)
     say_detail(say, "the model came from " + options.cache.string());
@@ -67,6 +74,7 @@ Built build_scene_again(const scene::Scene& scene, const build::BuildOptions& op
   Built built;
   built.model = build::build_model(scene, built.report, options, memory);
   model::check_model(built.model);
+  leave_out_irrelevant_warnings(scene, built.report);
   built.steps = build::choose_steps(scene, built.model, built.report);
   return built;
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "host/build/body_mesh.h"
 #include "host/build/boundary.h"
@@ -360,6 +361,38 @@ TEST(Cage, ANearlyFlatSkinIsWrappedAsFineAsItsVerticesCoverIt) {
   }
 }
 
+// Between cubes 5 mm apart, a wrap remeshed at 12 mm crosses itself, so the mesher wraps them again, farther
+// out. The report has the lengths that it used, and a warning.
+TEST(Cage, AWrapFartherOutThanOrderedIsTold) {
+  for (const double gap : {0.0048, 0.1}) {
+    SurfaceMesh cubes = cube_surface(0.1);
+    append(cubes, cube_surface(0.1), Vector3d(0, 0.1 + gap, 0));
+    scene::Scene scene = scene_of(cubes);
+    scene.resolution = 0.012;
+    const Filled filled = fill(scene);
+    const build::CageReport& cage = filled.report.fill.cage;
+    const std::size_t told = static_cast<std::size_t>(
+        std::count_if(filled.report.warnings.begin(), filled.report.warnings.end(), [](const auto& warning) {
+          return warning.text.find("mm outside it, and skin less than about") != std::string::npos;
+        }));
+    const double alpha = Vector3d(0.1, 0.2 + gap, 0.1).norm() / scene.body.cage_detail;
+    const double inside = build::total_volume(filled.body.mesh);
+    if (gap > 0.05) {
+      EXPECT_EQ(told, 0u);
+      EXPECT_NEAR(cage.alpha, alpha, 1e-9);
+      EXPECT_NEAR(cage.offset, alpha / 30.0, 1e-9);
+      EXPECT_NEAR(inside, 0.002, 0.05 * 0.002);
+      continue;
+    }
+    EXPECT_EQ(told, 1u);
+    EXPECT_NEAR(cage.alpha, 0.012, 1e-9);
+    EXPECT_NEAR(cage.offset, 0.004, 1e-9);
+    // Two cubes become one bar, 4 mm larger on all sides.
+    EXPECT_EQ(parts_of(filled.body.mesh), 1u);
+    EXPECT_NEAR(inside, 0.108 * 0.108 * (0.2 + gap + 0.008), 0.03 * inside);
+  }
+}
+
 // The order is refused before the missing mesher is started.
 TEST(Cage, AWrapThatCannotFitIsRefusedBeforeItIsTried) {
   build::WrapOrder order;
@@ -382,8 +415,8 @@ TEST(Legs, AreFusedByAWrapAlone) {
   build::WrapOrder order;
   order.alpha = 0.04;
   order.edge = 0.04;
-  const TetMesh filled = build::tetrahedralize(build::wrap_surface(welded.surface, order, with_mesher()),
-                                               0.04, {}, with_mesher());
+  const TetMesh filled = build::tetrahedralize(
+      build::wrap_surface(welded.surface, order, with_mesher()).surface, 0.04, {}, with_mesher());
   // Without weights there are no separate limbs, so nothing is cut.
   const build::SkinWeights no_weights;
   const std::vector<rig::Joint> no_skeleton;
@@ -485,6 +518,33 @@ TEST(Shells, InsideOthersAreLeftOut) {
   EXPECT_EQ(surface.triangles, outer.triangles);
   const TetMesh filled = build::tetrahedralize(surface, 0.15, {}, with_mesher());
   EXPECT_EQ(parts_of(filled), 2u);
+}
+
+// 3,000 tetrahedra side by side, and one in a ball: what is held grows with the parts, not with their square,
+// which would be 860 MB of vertices.
+TEST(Shells, InManyPartsTakeLittleMemory) {
+  SurfaceMesh grain;
+  grain.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  grain.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  SurfaceMesh grains = grain;
+  for (int k = 1; k < 3000; ++k) append(grains, grain, Vector3d(2.0 * k, 0, 0));
+  append(grains, ball(0.5, 16), Vector3d(-20, 0, 0));
+  const SurfaceMesh outer = grains;
+  append(grains, grain, Vector3d(-20.1, -0.1, -0.1));
+  for (std::size_t k = 1; k < 4; ++k) {
+    Vector3d& p = grains.vertices[grains.vertices.size() - k];
+    p = Vector3d(-20.1, -0.1, -0.1) + 0.1 * (p - Vector3d(-20.1, -0.1, -0.1));
+  }
+  const auto peak = [] {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss / 1024;
+  };
+  const long before = peak();
+  build::drop_inner_shells(grains);
+  EXPECT_LT(peak() - before, 100) << "MiB";
+  EXPECT_EQ(grains.vertices, outer.vertices);
+  EXPECT_EQ(grains.triangles, outer.triangles);
 }
 
 // Counts fused limbs: edges whose ends are anchored on skin that has no weights in common and is more than

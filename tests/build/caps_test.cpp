@@ -112,6 +112,20 @@ TEST(Caps, CloseATube) {
   EXPECT_EQ(odd_edges(build::with_caps(pipe, ends)), 0u);
 }
 
+TEST(Caps, CanBeCancelled) {
+  const SurfaceMesh pipe = upright(0.0, 0.0, 1.0, 0.1, true, true);
+  const build::SkinWeights no_weights;
+  const std::vector<rig::Joint> no_skeleton;
+  const build::Limbs limbs(pipe, no_weights, no_skeleton, {});
+  EXPECT_TRUE(limbs.is_one_limb());
+  int polls = 0;
+  build::BuildOptions options;
+  options.is_cancelled = [&] { return ++polls == 2; };
+  EXPECT_THROW(build::find_open_ends(pipe, limbs, options), build::Cancelled);
+  options.is_cancelled = [] { return false; };
+  EXPECT_EQ(build::find_open_ends(pipe, limbs, options).size(), 2u);
+}
+
 TEST(Caps, OfAConcaveEndStayInside) {
   // The side of a prism over an L that is two squares long each way, with a distant bottom.
   const std::vector<std::array<double, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
@@ -215,7 +229,7 @@ TEST(Caps, MakeLimbsSolid) {
   build::WrapOrder order;
   order.alpha = order.edge.emplace(0.025);
   const mesh::TetMesh hollow = build::tetrahedralize(
-      build::wrap_surface(welded.surface, order, with_mesher()), 0.025, {}, with_mesher());
+      build::wrap_surface(welded.surface, order, with_mesher()).surface, 0.025, {}, with_mesher());
   EXPECT_LT(build::total_volume(hollow), 0.5 * (legs + skirt));
 }
 

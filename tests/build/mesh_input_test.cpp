@@ -230,6 +230,26 @@ TEST(MeshInput, ScaleMultipliesMeshesButNotBars) {
   EXPECT_NEAR(bar.volume, 0.4 * 0.08 * 0.08, 1e-15);
 }
 
+// A file in millimetres, say.
+TEST(MeshInput, WarnsOfASizeThatIsProbablyNotInMetres) {
+  for (const double scale : {0.1, 1.0, 40.0, 400.0}) {
+    scene::Scene meshes = mesh_scene(), bar = bar_scene();
+    meshes.scale = scale;
+    std::get<scene::Bar>(bar.geometry).size *= scale;
+    build::Report report, of_bar;
+    build::build_model(meshes, report);
+    build::build_model(bar, of_bar);
+    const auto told = [](const build::Report& r) {
+      return std::count_if(r.warnings.begin(), r.warnings.end(), [](const build::Warning& warning) {
+        return warning.text.find("set mesh.scale, or gravity") != std::string::npos;
+      });
+    };
+    // The bar is 0.4 m long. One whose size the scene gives is as large as it should be.
+    EXPECT_EQ(told(report), scale == 1.0 || scale == 40.0 ? 0 : 1) << scale;
+    EXPECT_EQ(told(of_bar), 0) << scale;
+  }
+}
+
 TEST(MeshInput, RestPositionsReturnToMetresWithinHalfAnUlp) {
   scene::Scene scene = mesh_scene();
   for (Vector3d& p : mesh_of(scene).vertices) p += Vector3d(100.3, -7.7, 3.1);

@@ -71,6 +71,18 @@ TEST(Weld, LeavesOutCollapsedTrianglesWithAWarning) {
   EXPECT_NE(report.warnings[0].text.find("1 triangle has"), std::string::npos);
 }
 
+TEST(Weld, WarnsOfCornersThatTheFileRepeats) {
+  SurfaceMesh cube = cube_surface(2.0);
+  for (const std::uint64_t count : {1u, 12u}) {
+    cube.repeated_corners = count;
+    build::Report report;
+    build::weld(cube, "test", report);
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_EQ(report.warnings[0].text.substr(0, 20),
+              count == 1 ? "1 corner of the file" : "12 corners of the fi");
+  }
+}
+
 TEST(Weld, RefusesMalformedSurfacesWithIds) {
   const auto refusal = [](const std::function<void(SurfaceMesh&)>& spoil, const std::string& part) {
     SurfaceMesh cube = cube_surface(2.0);

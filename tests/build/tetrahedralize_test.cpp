@@ -8,7 +8,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <locale>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -19,6 +22,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "host/build/wrap.h"
 #include "host/mesh/mesh_file.h"
 #include "tests/support/assets.h"
 
@@ -163,6 +167,18 @@ class Tetrahedralize : public ::testing::Test {
     return what;
   }
 
+  // What was said of the machine, and not of the input.
+  static std::string machine_fault(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const base::SceneError& error) {
+      ADD_FAILURE() << "blamed the input: " << error.what();
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "nothing";
+  }
+
   fs::path folder_;
   std::string saved_;
   BuildOptions options_;
@@ -195,6 +211,21 @@ TEST_F(Tetrahedralize, InsidePointsBecomeVerticesInOrder) {
   ASSERT_GE(mesh.vertices.size(), 10U);
   EXPECT_EQ(mesh.vertices[8], inside[0]);
   EXPECT_EQ(mesh.vertices[9], inside[2]) << "the point outside should be left out";
+}
+
+// A program that calls the library may write numbers as people do.
+TEST_F(Tetrahedralize, WritesPointsAsTheMesherReadsThemInAnyLocale) {
+  struct Grouped : std::numpunct<char> {
+    char do_thousands_sep() const override { return ','; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  std::vector<Vector3d> inside;
+  for (int k = 0; k < 1000; ++k) inside.emplace_back(7.0, 7.0, k);  // outside, so all are left out
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Grouped));
+  TetMesh mesh;
+  EXPECT_NO_THROW(mesh = build::tetrahedralize(unit_cube, 0.0, inside, options_));
+  std::locale::global(before);
+  expect_fills(mesh, unit_cube);
 }
 
 TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
@@ -275,19 +306,47 @@ TEST_F(Tetrahedralize, SaysWhenTheMesherIsMissing) {
 TEST_F(Tetrahedralize, BlamesTheMachineForItsTemporaryFolder) {
   const std::string before = std::getenv("TMPDIR") == nullptr ? "" : std::getenv("TMPDIR");
   ::setenv("TMPDIR", (folder_ / "missing").c_str(), 1);
-  std::string said = "nothing";
-  try {
-    build::tetrahedralize(unit_cube, 0.0, {}, options_);
-  } catch (const base::SceneError& error) {
-    ADD_FAILURE() << "blamed the input: " << error.what();
-  } catch (const std::runtime_error& error) {
-    said = error.what();
-  }
+  const std::string said = machine_fault([&] { build::tetrahedralize(unit_cube, 0.0, {}, options_); });
   if (before.empty())
     ::unsetenv("TMPDIR");
   else
     ::setenv("TMPDIR", before.c_str(), 1);
   EXPECT_NE(said.find("(TMPDIR)"), std::string::npos) << said;
+}
+
+// So is what ends the mesher from outside, and a disk that is full when it writes.
+TEST_F(Tetrahedralize, BlamesTheMachineForWhatEndsTheMesher) {
+  const auto each_run = [&](const std::string& script, const std::string& part) {
+    fake_mesher("echo run >> '" + (folder_ / "runs").string() + "'; " + script);
+    build::WrapOrder order;
+    order.alpha = 0.1;
+    for (const std::string& said :
+         {machine_fault([&] { build::tetrahedralize(unit_cube, 0.0, {}, options_); }),
+          machine_fault([&] { build::wrap_surface(unit_cube, order, options_); }),
+          machine_fault([&] { build::find_defects(unit_cube, options_); })}) {
+      EXPECT_REFUSED(said, part);
+      EXPECT_EQ(said.find("surface may have"), std::string::npos) << said;
+      EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    }
+  };
+  each_run("kill -KILL $$", "was killed from outside (Killed) while ");
+  each_run("kill -TERM $$", "was killed from outside (Terminated) while ");
+  each_run("kill -HUP $$", "often for lack of memory");
+  each_run("echo 'fascicle-mesher: write: File too large' >&2; exit 9",
+           "File too large; check the free space");
+  each_run("exit 3", "could not read its files");
+  std::ifstream file(folder_ / "runs");
+  const std::string runs{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 15) << "a run was tried again";
+}
+
+// The mesher itself, whose files may not be larger than 1 KiB; 160 vertices and as many tetrahedra take more.
+TEST_F(Tetrahedralize, BlamesTheMachineForALimitOnFiles) {
+  const std::string mesher = options_.mesher.string();
+  fake_mesher("ulimit -f 1; exec '" + mesher + "' \"$@\"");
+  SurfaceMesh cubes = unit_cube;
+  for (int k = 1; k < 20; ++k) cubes = joined(cubes, cube({2.0 * k, 0, 0}, 1.0));
+  EXPECT_REFUSED(machine_fault([&] { build::tetrahedralize(cubes, 0.0, {}, options_); }), "(ulimit -f)");
 }
 
 TEST_F(Tetrahedralize, SurvivesMeshersThatEndBadly) {

@@ -158,6 +158,59 @@ TEST(Ties, SkinOnNothingIsRefusedByName) {
   expect_refusal([&] { build_quietly(scene); }, "layers.skin.sliding");
 }
 
+// All but the lowest vertices are skin: sliding would leave those below neighbours in their own plane only.
+// They keep their pairs, and skin farther up, which has none with them, its own.
+TEST(Ties, FleshThatSlidingWouldLeaveFlatKeepsItsPairs) {
+  const auto implicit = [](bool sliding) {
+    scene::Scene scene = skin_scene(sliding);
+    scene.geometry = scene::Bar{.vertices = {9, 4, 4}};
+    scene.layers[1].where = {scene::HalfSpace{scene::Axis::y, false, true, 0.2}};
+    scene.solver.integrator = scene::Integrator::implicit_step;
+    for (scene::Layer& layer : scene.layers) layer.youngs_modulus = 5000.0;
+    return scene;
+  };
+  build::Report report;
+  const Model m = build::build_model(implicit(true), report), whole = build_quietly(implicit(false));
+  check_model(m);
+  const auto may_share = [&](std::uint32_t i, std::uint32_t j) {
+    return m.is_kinematic(i) || m.is_kinematic(j) || m.layer_of(i) == m.layer_of(j);
+  };
+  const auto would_be_flat = [&](std::uint32_t i) {
+    if (m.is_kinematic(i) || m.layer_of(i) == 1) return false;
+    for (std::uint32_t e = whole.ring_offset[i]; e < whole.ring_offset[i + 1]; ++e)
+      if (may_share(i, whole.ring[e]) && m.rest[3 * whole.ring[e] + 1] != m.rest[3 * i + 1]) return false;
+    return true;
+  };
+  std::size_t flat = 0, dropped = 0;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    flat += would_be_flat(i);
+    EXPECT_TRUE(std::isfinite(m.stiffness[i]) && m.stiffness[i] > 0.0);
+    for (std::uint32_t e = whole.ring_offset[i]; e < whole.ring_offset[i + 1]; ++e) {
+      const std::uint32_t j = whole.ring[e];
+      const bool together = may_share(i, j) || would_be_flat(i) || would_be_flat(j);
+      EXPECT_EQ(are_neighbours(m, i, j), together);
+      dropped += !together;
+    }
+  }
+  EXPECT_GT(flat, 20u);
+  EXPECT_EQ(m.ring.size() + dropped, whole.ring.size());
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_EQ(report.warnings[0].text.find(std::to_string(flat) + " vertices do not slide,"), 0u)
+      << report.warnings[0].text;
+}
+
+// With jitter nothing is flat, and every pair across the border is cut, implicit or not.
+TEST(Ties, AllElseSlidesInImplicitScenesToo) {
+  scene::Scene scene = skin_scene();
+  const Model printed = build_quietly(scene);
+  scene.solver.integrator = scene::Integrator::implicit_step;
+  for (scene::Layer& layer : scene.layers) layer.youngs_modulus = 5000.0;
+  build::Report report;
+  EXPECT_EQ(build::build_model(scene, report).ring, printed.ring);
+  for (const build::Warning& warning : report.warnings)
+    EXPECT_EQ(warning.text.find("not slide"), std::string::npos) << warning.text;
+}
+
 TEST(Ties, WarnsOfSkinThatNothingHolds) {
   const auto warnings = [](const scene::Scene& scene) {
     build::Report report;

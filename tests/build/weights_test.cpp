@@ -1,9 +1,12 @@
 // Weights (12)(13)(14), shares and pulls, compared with a direct evaluation of the paper's formulas.
 #include "host/build/weights.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <random>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -82,6 +85,40 @@ void expect_printed(const Built& built, bool line) {
     EXPECT_NEAR(built.weights.own[r], printed_weight(m, r, r, line), m.mass[r] * 1e-10);
     for (std::uint32_t k = m.ring_offset[r]; k < m.ring_offset[r + 1]; ++k)
       EXPECT_NEAR(built.weights.taken[k], printed_weight(m, r, m.ring[k], line), m.mass[m.ring[k]] * 1e-10);
+  }
+}
+
+// A hub that gives all of itself to its neighbours. With 700 of them, each share rounds up, from 93.6 steps
+// to 94, and the excess of 264 steps is more than any one of them has; with 30, from 2184.5 to 2185, the
+// first bears all.
+TEST(Shares, OfAHubStayPositiveAndSumToOne) {
+  for (const std::uint32_t n : {30u, 700u}) {
+    build::OneRings rings;
+    rings.offset = {0, n};
+    for (std::uint32_t k = 1; k <= n; ++k) rings.neighbour.push_back(k);
+    for (std::uint32_t k = 1; k <= n; ++k) {
+      rings.neighbour.push_back(0);
+      rings.offset.push_back(n + k);
+    }
+    std::vector<float> rest(3 * (std::size_t{n} + 1)), none(3 * (std::size_t{n} + 1)), stiffness(n + 1, 1.0f);
+    for (std::size_t k = 0; k < rest.size(); ++k) rest[k] = static_cast<float>(k % 7) / 8.0f;
+    const std::vector<double> mass(n + 1, 1.0);
+    build::RegionWeights weights;
+    weights.own.assign(n + 1, 1.0);
+    weights.own[0] = 0.0;
+    weights.taken.assign(2 * std::size_t{n}, 1.0);
+    const build::Shares shares =
+        build::make_shares(rings, {rest, mass, none, stiffness}, weights, stiffness, true);
+    double sum = 0.0, least = 1.0, largest = 0.0;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double share = double{shares.given[k]};
+      sum += share;
+      least = std::min(least, share);
+      largest = std::max(largest, share);
+    }
+    EXPECT_EQ(sum, 1.0);
+    EXPECT_EQ(largest, (n == 30 ? 2185.0 : 94.0) / 65536.0);
+    EXPECT_EQ(least, (n == 30 ? 2185.0 - 14.0 : 93.0) / 65536.0);
   }
 }
 

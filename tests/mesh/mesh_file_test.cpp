@@ -371,6 +371,41 @@ TEST_F(MeshFile, RefusesWhatIsNoFileOfAMesh) {
   }
 }
 
+// Without them the body would have holes. Faces, edges and points are left out, as before.
+TEST_F(MeshFile, RefusesVolumeCellsOfOtherKinds) {
+  const auto gmsh = [](const std::string& elements) {
+    const std::size_t at = gmsh_text.find("3\n1 2 2"), end = gmsh_text.find("$EndElements");
+    return gmsh_text.substr(0, at) + elements + gmsh_text.substr(end);
+  };
+  const std::string tetrahedron = "1 4 0 10 2 30 4\n";
+  expect_two_tets(tets("a.msh", gmsh("6\n" + tetrahedron +
+                                     "2 15 0 10\n3 1 0 10 2\n4 2 0 10 2 30\n"
+                                     "5 3 0 10 2 30 4\n6 4 0 2 30 4 1000000000000\n")));
+  const std::string eight = " 0 10 2 30 4 10 2 30 4\n";
+  EXPECT_REFUSED(refusal("a.msh", gmsh("2\n" + tetrahedron + "2 5" + eight)),
+                 "1 volume cell is not a tetrahedron of four vertices; split");
+  EXPECT_REFUSED(refusal("a.msh", gmsh("4\n" + tetrahedron + "2 5" + eight + "3 6" + eight + "4 7" + eight)),
+                 "3 volume cells are not tetrahedra");
+  EXPECT_REFUSED(refusal("a.msh", gmsh("1\n1 11 0 10 2 30 4 10 2 30 4 10 2\n")), "gmsh -3 -order 1");
+
+  const auto medit = [](const std::string& section) {
+    std::string text = medit_text;
+    return text.insert(text.find("Tetrahedra"), section);
+  };
+  expect_two_tets(tets("a.mesh", medit("Quadrilaterals\n1\n1 2 3 4 0\nHexahedra\n0\n")));
+  EXPECT_REFUSED(refusal("a.mesh", medit("Hexahedra\n1\n1 2 3 4 1 2 3 4 0\n")), "1 volume cell is not");
+  EXPECT_REFUSED(refusal("a.mesh", medit("Prisms 2\n1 2 3 4 1 2 0\n1 2 3 4 1 2 0\n")), "(Prisms)");
+
+  const auto vtu = [](const std::string& type) {
+    std::string text = vtu_text;
+    return text.replace(text.find("10 5 10"), 7, "10 " + type + " 10");
+  };
+  for (const char* face_or_less : {"1", "3", "5", "7", "9", "22", "28", "69"})
+    expect_two_tets(tets("a.vtu", vtu(face_or_less)));
+  for (const char* cell : {"11", "12", "13", "14", "24", "42", "71"})
+    EXPECT_REFUSED(refusal("a.vtu", vtu(cell)), "1 volume cell is not");
+}
+
 // Truncations at every third byte and thousands of random changes of every valid file give a SceneError or a
 // mesh that keeps its promises. With sanitizers this also shows that nothing is read out of bounds.
 TEST_F(MeshFile, SurvivesDamage) {

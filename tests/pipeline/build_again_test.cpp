@@ -91,6 +91,33 @@ TEST_F(BuildAgainTest, ACharacterHasTheSameBits) {
                          {coarse}});
 }
 
+// Skin that slides shares no regions with the flesh below, so other vertices lie across gaps from it.
+TEST_F(BuildAgainTest, SlidingSkinInContactHasTheSameBits) {
+  const std::string contact = "contact.self=true";
+  expect_same("cheek", {{contact},
+                        {contact, "layers.skin.sliding=false"},
+                        {contact, "layers.skin.sliding=false", "layers.skin.density=700"},
+                        {contact}});
+}
+
+// A kept model does not depend on gravity, so its report has the warning in either case.
+TEST_F(BuildAgainTest, OnlyGravityMakesBodiesFall) {
+  build::BuildMemory memory;
+  scene::Scene scene;
+  scene.geometry = scene::Bar{.vertices = {4, 3, 3}};
+  scene.layers.resize(1);
+  for (const double down : {-9.81, 0.0, -1.0}) {
+    scene.gravity = {0, down, 0};
+    for (const pipeline::Built& built :
+         {pipeline::build_scene(scene, options_, {}), pipeline::build_scene_again(scene, options_, memory)}) {
+      std::size_t told = 0;
+      for (const build::Warning& warning : built.report.warnings)
+        told += warning.text.find("fall for ever") != std::string::npos;
+      EXPECT_EQ(told, down < 0.0 ? 1u : 0u) << down;
+    }
+  }
+}
+
 TEST(BodyKey, TellsBodiesApartAndNothingElse) {
   const auto key = [](const std::vector<std::string>& set) {
     scene::SceneOverrides overrides;

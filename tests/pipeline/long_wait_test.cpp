@@ -40,7 +40,7 @@ TEST(LongWaitTest, SaysItWhenItIsDueAndEverMoreRarely) {
 // A mesher that outlasts the time until the first message, and then fails.
 TEST(LongWaitTest, ABuildThatTakesLongSaysSo) {
   const fs::path mesher = fs::temp_directory_path() / ("fascicle-slow-mesher-" + std::to_string(::getpid()));
-  std::ofstream(mesher) << "#!/bin/sh\nsleep 6\nexit 9\n";
+  std::ofstream(mesher) << "#!/bin/sh\nsleep 6\nexit 7\n";
   fs::permissions(mesher, fs::perms::owner_all);
   build::BuildOptions options;
   options.mesher = mesher;
