@@ -197,6 +197,8 @@ std::string why_solids_are_unknown(DrawnFrames& frames) {
     (void)frames.solids(0);
   } catch (const base::SceneError& error) {
     return error.what();
+  } catch (const pipeline::DifferentBakes&) {
+    throw;  // the scene can be read, and is not this bake's
   } catch (const base::BakeError& error) {
     return error.what();
   }

@@ -134,7 +134,7 @@ JobState state_of(const fs::path& output, SummaryRow job, std::optional<fs::file
   std::string baked;
   if (is_newer(summary_written, written) && is_newer(summary_written, recorded))
     baked = summary_settings;
-  else if (record_is_newer)
+  else if (record_is_newer && record->exit_status)
     baked = record->settings;
   if (summary_is_newest) {
     // The row has it.
@@ -247,7 +247,7 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
     SummaryRow row{job.name, plan.output / job.name, job.scene, job.clip, job.set, job.formats};
     std::string summary_settings;
     if (const auto found = known.rows.find(job.name); found != known.rows.end()) {
-      summary_settings = found->second.baked.empty() ? settings_text(found->second) : found->second.baked;
+      summary_settings = settings_of_bake(found->second);
       row.exit_status = found->second.exit_status;
       row.error = found->second.error;
       row.device = found->second.device;

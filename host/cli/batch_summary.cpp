@@ -81,6 +81,11 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
   }
 }
 
+std::string settings_of_bake(const SummaryRow& row) {
+  if (!row.baked.empty()) return row.baked;
+  return row.exit_status ? settings_text(row) : std::string();
+}
+
 void refuse_foreign_summary(const std::filesystem::path& output, const std::string& remedy) {
   const auto refuse = [&](const std::string& why) {
     throw base::BakeError((output / scene::batch_summary).string() + ": would be replaced, but " + why +

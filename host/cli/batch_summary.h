@@ -23,16 +23,22 @@ struct SummaryRow {
   double seconds = 0.0;
   std::string hash = {}, error = {};
   std::vector<std::string> warnings = {};
-  std::string baked = {};  // settings_text() of the bake in its folder, if it is one of other settings
+  std::string baked = {};  // settings_text() of the bake in its folder, if the row's are other settings
 };
 
-// What a job was told to bake, as text that is only compared: the scene's file name, its clip, settings and
-// formats. For a SummaryRow, or what else has these members.
+// What a job was told to bake, as text that is only compared: its scene, clip, settings and formats. For a
+// SummaryRow, or what else has these members.
 template <class Job>
 std::string settings_text(const Job& job) {
-  return nlohmann::json{std::filesystem::path(job.scene).filename().string(), job.clip, job.set, job.formats}
+  const std::filesystem::path scene(job.scene);
+  // One list may be called by several paths. A built-in scene has only a name.
+  const bool is_file = scene.has_extension() || scene.has_parent_path();
+  return nlohmann::json{is_file ? std::filesystem::weakly_canonical(scene).string() : job.scene, job.clip,
+                        job.set, job.formats}
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
+// The settings of the bake in a job's folder, as far as its row tells; empty: unknown.
+std::string settings_of_bake(const SummaryRow& row);
 
 // Atomically replaces the file in the batch's output folder.
 void write_batch_summary(const std::filesystem::path& output, const std::vector<SummaryRow>& rows);

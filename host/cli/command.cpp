@@ -166,7 +166,7 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->option_text("MODE");
   subcommand
       .add_option("--cage-detail", overrides.cage_detail,
-                  "A cage closes gaps narrower than the body's diagonal divided by N (100)")
+                  "A cage closes gaps up to twice as wide as the body's diagonal divided by N (100)")
       ->option_text("N");
   subcommand
       .add_option("--rigid", overrides.rigid,

@@ -128,7 +128,8 @@ Json json_of(const build::CageReport& cage) {
           {"skin_spacing", json_of(cage.skin_spacing)},
           {"spacing", json_of(cage.spacing)},
           {"edges", json_of(cage.edges)},
-          {"closed_gaps_m", cage.alpha},
+          {"closed_gaps_m", 2.0 * cage.alpha},
+          {"wrap_offset_m", cage.offset},
           {"cut_tetrahedra", cage.cut_tetrahedra},
           {"wrap_seconds", cage.wrap_seconds},
           {"fill_seconds", cage.fill_seconds},
@@ -383,7 +384,7 @@ void print_skin(const build::Report& report) {
                                     number_text(cage.skin_volume * 1e3) + " litres");
   for (auto& row : rows_of(open_ends_of(report))) rows.push_back(std::move(row));
   if (cage.is_cage) {
-    rows.emplace_back("gaps closed", "below " + millimetres(cage.alpha));
+    rows.emplace_back("gaps closed", "below about " + millimetres(2.0 * cage.alpha));
     rows.emplace_back("cut apart", count_text(cage.cut_tetrahedra) + " tetrahedra between limbs that touch");
   }
   std::cout << "skin (vertices are the file's)\n" << columns_text(rows);

@@ -89,7 +89,10 @@ class Batch {
     for (std::size_t job = 0; job < asked_.bakes.size(); ++job) waiting_.push_back(job);
     const std::atomic<bool>& interrupted = interrupts();
     bake::make_folder(asked_.output);
-    if (!asked_.is_part) write_summary();
+    if (!asked_.is_part) {
+      remember_settings();
+      write_summary();
+    }
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
       if (!interrupted) {
@@ -404,6 +407,17 @@ class Batch {
     log_.share(std::min(done / static_cast<double>(asked_.bakes.size()), 0.999));
   }
 
+  void remember_settings() {
+    try {
+      for (const SummaryRow& row : read_batch_summary(asked_.output).value_or(std::vector<SummaryRow>()))
+        if (std::string settings = settings_of_bake(row); !settings.empty())
+          before_[row.job] = std::move(settings);
+    } catch (const base::BakeError&) {
+      // With --overwrite, another program's file is replaced.
+    } catch (const base::InputError&) {
+    }
+  }
+
   void write_summary() const {
     std::vector<SummaryRow> rows;
     for (std::size_t k = 0; k < outcomes_.size(); ++k) {
@@ -422,6 +436,9 @@ class Batch {
                       .hash = outcome.hash,
                       .error = outcome.error,
                       .warnings = outcome.warnings});
+      // What this run has not begun is what it was.
+      if (const auto before = before_.find(job.name); !outcome.status && before != before_.end())
+        if (before->second != settings_text(rows.back())) rows.back().baked = before->second;
     }
     write_batch_summary(asked_.output, rows);
   }
@@ -480,8 +497,9 @@ class Batch {
   std::set<std::string> built_;  // OneBake::model of bakes that had frames
   bool one_had_frames_ = false;
   Clock::time_point last_sign_ = Clock::now();
-  std::uint64_t largest_memory_ = 0;  // bytes, of any bake so far
-  std::set<std::string> said_;        // warnings
+  std::map<std::string, std::string> before_;  // per job: the settings of the bake that an earlier run left
+  std::uint64_t largest_memory_ = 0;           // bytes, of any bake so far
+  std::set<std::string> said_;                 // warnings
 };
 
 }  // namespace

@@ -36,8 +36,8 @@ struct DriveSource::Impl {
   double time_of(std::uint64_t count) const;
   void clear();
   Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
-  Pose followed_back(std::uint64_t count);
-  Pose followed_on(std::uint64_t count);
+  Pose followed_back(std::size_t character, std::uint64_t count);
+  Pose followed_on(std::size_t character, std::uint64_t count);
   bool accelerates(std::size_t joint, std::uint64_t count);
   double acceleration_of(std::size_t joint, std::uint64_t count);
   bool is_bounded(std::uint64_t count);
@@ -128,10 +128,12 @@ double DriveSource::Impl::time_of(std::uint64_t count) const {
 void DriveSource::Impl::append_colliders(std::uint64_t count, const Vector3d& origin) {
   if (scene.colliders.empty()) return;
   if (!timeline) return collider_drive.append({time_of(count - 1)}, {time_of(count)}, origin, colliders);
-  const std::uint64_t from = timeline->is_cut(count) ? count : count - 1;
   // Copies: the timeline may drop one pose when it computes another.
-  const Pose before = timeline->pose(from), at = timeline->pose(count);
-  double time = time_of(from);
+  Pose before = timeline->pose(count - 1);
+  const Pose at = timeline->pose(count);
+  for (std::size_t j = 0; j < at.size(); ++j)
+    if (timeline->is_cut_of(character_of[j], count)) before[j] = at[j];
+  double time = time_of(timeline->is_cut_of_all(count) ? count : count - 1);
   if (time > time_of(count)) time = scene.start;  // a new cycle begins
   collider_drive.append({time, &before}, {time_of(count), &at}, origin, colliders);
 }
@@ -153,10 +155,11 @@ Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint6
   return sum;
 }
 
-// The motion after a cut in substep `count`, extrapolated back to the beginning of the substep: with constant
-// acceleration, unless another cut follows too soon.
-Pose DriveSource::Impl::followed_back(std::uint64_t count) {
-  if (timeline->is_cut(count + 1) || timeline->is_cut(count + 2))
+// The motion after a character's cut in substep `count`, extrapolated back to the beginning of the substep:
+// with constant acceleration, unless another cut follows too soon. Only for the joints of that character,
+// like the next.
+Pose DriveSource::Impl::followed_back(std::size_t character, std::uint64_t count) {
+  if (timeline->is_cut_of(character, count + 1) || timeline->is_cut_of(character, count + 2))
     return mixed({{2.0, count}, {-1.0, count + 1}});
   return mixed({{3.0, count}, {-3.0, count + 1}, {1.0, count + 2}});
 }
@@ -165,10 +168,11 @@ Pose DriveSource::Impl::followed_back(std::uint64_t count) {
 // speed which the ending motion would have in the middle of substep `count`. Both motions are thus taken at
 // the same time, and a cut within steady motion changes nothing. If there was a cut in the substep before,
 // the motion is the one that began there.
-Pose DriveSource::Impl::followed_on(std::uint64_t count) {
+Pose DriveSource::Impl::followed_on(std::size_t character, std::uint64_t count) {
+  const auto is_cut = [&](std::uint64_t k) { return timeline->is_cut_of(character, k); };
   if (count == 1) return timeline->pose(0);
-  if (timeline->is_cut(count - 1)) return followed_back(count - 1);
-  if (count == 2 || timeline->is_cut(count - 2)) return timeline->pose(count - 2);
+  if (is_cut(count - 1)) return followed_back(character, count - 1);
+  if (count == 2 || is_cut(count - 2)) return timeline->pose(count - 2);
   return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
 }
 
@@ -178,14 +182,20 @@ bool DriveSource::Impl::accelerates(std::size_t joint, std::uint64_t count) {
   return count >= 2 && !timeline->is_cut_of(character, count) && !timeline->is_cut_of(character, count - 1);
 }
 
-// What a joint that accelerates() has into substep `count`, since the last cut at the most.
+// What a joint that accelerates() has into substep `count`, since the last cut at the most. The largest
+// change of velocity within the window counts, so that a pose that flips and holds is bounded where it begins
+// and where it ends.
 double DriveSource::Impl::acceleration_of(std::size_t joint, std::uint64_t count) {
   if (!felt->has_flesh(joint)) return 0.0;
   const std::uint64_t window = substeps_of_window(h());
-  std::uint64_t first = count - 1;
-  while (count - first < window && first > 1 && !timeline->is_cut_of(character_of[joint], first - 1)) --first;
-  return felt->of_joint(joint, {timeline->pose(first - 1), timeline->pose(first), timeline->pose(count - 1),
-                                timeline->pose(count), h(), static_cast<double>(window) * h()});
+  double largest = 0.0;
+  for (std::uint64_t first = count - 1; first >= 1 && count - first <= window; --first) {
+    if (first < count - 1 && timeline->is_cut_of(character_of[joint], first)) break;
+    largest = std::max(largest, felt->of_joint(joint, {timeline->pose(first - 1), timeline->pose(first),
+                                                       timeline->pose(count - 1), timeline->pose(count), h(),
+                                                       static_cast<double>(window) * h()}));
+  }
+  return largest;
 }
 
 // Whether a joint's acceleration into substep `count` exceeds the limit on what its flesh feels.
@@ -202,18 +212,21 @@ void DriveSource::Impl::append_break(std::uint32_t substep, std::uint64_t count,
                                      const Vector3d& after) {
   const Pose at = timeline->pose(count - 1), to = timeline->pose(count);
   const Pose old = count >= 2 ? timeline->pose(count - 2) : at;
-  Pose ended = old, begun = at, given = at, followed_to;
-  if (timeline->is_cut(count)) {
-    followed_to = followed_on(count);
-    begun = followed_back(count);
-  }
+  Pose ended = old, begun = at, given = at, followed_to, followed_from;
+  std::size_t followed = character_of.size();  // the character that the last two are of
   for (std::size_t j = 0; j < at.size(); ++j) {
-    if (timeline->is_cut_of(character_of[j], count)) {
+    const std::size_t character = character_of[j];
+    if (timeline->is_cut_of(character, count)) {
+      if (followed != character) {
+        followed_to = followed_on(character, count);
+        followed_from = followed_back(character, count);
+        followed = character;
+      }
       ended[j] = followed_to[j];
+      begun[j] = followed_from[j];
       given[j] = to[j];
       continue;
     }
-    begun[j] = at[j];
     if (accelerates(j, count)) {
       const double acceleration = acceleration_of(j, count);
       const double share = acceleration > felt->limit(j) ? 1.0 - felt->limit(j) / acceleration : 0.0;

@@ -28,18 +28,14 @@ Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
     root.cut_distance = scene.motion.cut_distance.value_or(extents[k] > 0.0 ? extents[k] : INFINITY);
     root.leader = k;
     if (!scene.characters.empty()) {
-      const scene::PlacedCharacter& one = scene.characters[k];
-      root.is_borne = one.bearer.has_value();
       // A bearer comes before those that it bears.
-      if (one.bearer) root.leader = roots_[scene::character_of_joint(scene, *one.bearer)].leader;
-      root.has_flesh = false;
+      if (const auto bearer = scene.characters[k].bearer)
+        root.leader = roots_[scene::character_of_joint(scene, *bearer)].leader;
     }
     roots_.push_back(root);
   }
-  for (const std::size_t k : scene::characters_with_flesh(scene)) roots_.at(k).has_flesh = true;
-  const auto counts = [](const Root& root) { return root.has_flesh && !root.is_borne; };
-  if (std::none_of(roots_.begin(), roots_.end(), counts))
-    for (Root& root : roots_) root.has_flesh = true;
+  for (const std::size_t k : scene::characters_with_flesh(scene))
+    roots_.at(roots_.at(k).leader).carries_flesh = true;
   const Pose first = rig::joint_transforms_at(character, clip_, scene.start);
   const Pose last = rig::joint_transforms_at(character, clip_, scene.end);
   for (std::size_t j = 0; j < first.size(); ++j) {
@@ -117,7 +113,7 @@ Vector3d Timeline::root(const Pose& pose) const {
   Vector3d sum = Vector3d::Zero();
   std::size_t count = 0;
   for (const Root& root : roots_) {
-    if (root.is_borne || !root.has_flesh) continue;
+    if (!root.carries_flesh) continue;
     sum += place_of(root, pose);
     ++count;
   }
@@ -142,6 +138,8 @@ bool Timeline::is_marked(std::uint64_t count) const {
 
 // How far the root moves in frame `frame` + 1, m.
 double Timeline::frame_step(const Root& root, std::uint64_t frame) {
+  constexpr std::size_t most_places = 4096;
+  if (places_.size() > most_places) places_.clear();
   const auto places = [&](std::uint64_t k) -> const std::vector<Vector3d>& {
     std::vector<Vector3d>& there = places_[k];
     if (there.empty()) {
@@ -182,8 +180,7 @@ std::vector<Timeline::Jump> Timeline::jumps() {
   std::vector<Jump> found;
   for (std::uint64_t frame = 0; frame < cycle_ / substeps_; ++frame)
     for (std::size_t k = 0; k < roots_.size(); ++k) {
-      const auto carries_flesh = [&](const Root& root) { return root.leader == k && root.has_flesh; };
-      if (std::none_of(roots_.begin(), roots_.end(), carries_flesh)) continue;
+      if (!roots_[k].carries_flesh) continue;
       if (!is_jump_in_frame(roots_[k], frame)) continue;
       bool marked = false;
       for (std::uint64_t s = 1; s <= substeps_; ++s) marked = marked || is_marked(frame * substeps_ + s);
@@ -211,8 +208,12 @@ bool Timeline::jumps_about(const Root& root, std::uint64_t count) {
 
 bool Timeline::is_cut(std::uint64_t count) {
   for (std::size_t k = 0; k < roots_.size(); ++k)
-    if (roots_[k].leader == k && is_cut_of(k, count)) return true;
+    if (roots_[k].carries_flesh && is_cut_of(k, count)) return true;
   return false;
+}
+
+bool Timeline::is_cut_of_all(std::uint64_t count) const {
+  return begins_cycle(count) ? !returns_ : is_marked(count);
 }
 
 bool Timeline::is_cut_of(std::size_t character, std::uint64_t count) {

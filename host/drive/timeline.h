@@ -37,15 +37,17 @@ class Timeline {
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
 
-  // Position of the root joint, metres of the scene; for several characters the mean over those with flesh
-  // that no other bears.
+  // Position of the root joint, metres of the scene; for several characters the mean over those that no other
+  // bears, and that have flesh or bear some.
   scene::Vector3d root(const Pose& pose) const;
 
   // Whether there is a cut between the ends of substeps count - 1 and count, count >= 1: at a marked cut; if
-  // a root jumps; or where a new cycle begins, if the clip does not end as it begins.
+  // a root jumps whose flesh it carries; or where a new cycle begins, if the clip does not end as it begins.
   bool is_cut(std::uint64_t count);
-  // The same for one character: others' jumps do not count, except that of one that bears it.
+  // The same for one character, a prop too: others' jumps do not count, except that of one that bears it.
   bool is_cut_of(std::size_t character, std::uint64_t count);
+  // At a marked cut, or between cycles.
+  bool is_cut_of_all(std::uint64_t count) const;
   // The jumps of characters with flesh, or of their bearers, in the first cycle; not those at marked cuts.
   struct Jump {
     std::size_t character = 0;
@@ -62,10 +64,9 @@ class Timeline {
   // A character's root joint.
   struct Root {
     std::size_t joint = 0;
-    double cut_distance = 0.0;  // m: more than this in a frame may be a jump
-    std::size_t leader = 0;     // the character that jumps with it: it, or the last in its line of bearers
-    bool is_borne = false;      // by a joint of another character
-    bool has_flesh = true;
+    double cut_distance = 0.0;   // m: more than this in a frame may be a jump
+    std::size_t leader = 0;      // the character that jumps with it: it, or the last in its line of bearers
+    bool carries_flesh = false;  // its own, or that of a character that jumps with it
   };
   scene::Vector3d place_of(const Root& root, const Pose& pose) const;
   double root_step(const Root& root, std::uint64_t from, std::uint64_t to);

@@ -82,13 +82,18 @@ std::string warning_of_clip(const scene::Scene& scene) {
          "; export it with an animation, or give --end for a longer bake";
 }
 
+// False for a robot, which has no flesh to feel anything.
+bool is_soft(const model::Model& model) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (!model.is_kinematic(i)) return true;
+  return false;
+}
+
 // A warning if the skeleton accelerates flesh beyond the limit on what it feels, or empty.
 std::string warning_of_throws(const scene::Scene& scene, const model::Model& model,
                               drive::DriveSource& drives) {
   constexpr std::size_t most_named = 4;
-  std::uint32_t soft = 0;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
-  if (soft == 0) return "";  // a robot: no flesh to feel it
+  if (!is_soft(model)) return "";
   const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
@@ -110,7 +115,9 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
 }
 
 // A warning if a root jumps, or empty. Flesh is carried along, which looks wrong where speed was meant.
-std::string warning_of_jumps(const scene::Scene& scene, drive::DriveSource& drives) {
+std::string warning_of_jumps(const scene::Scene& scene, const model::Model& model,
+                             drive::DriveSource& drives) {
+  if (!is_soft(model)) return "";
   const std::vector<drive::Timeline::Jump> jumps = drives.jumps();
   if (jumps.empty()) return "";
   const drive::Timeline::Jump& first = jumps.front();
@@ -216,7 +223,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   say_warnings(built.report, say);
   drive::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
-  warn(warning_of_jumps(scene, drives));
+  warn(warning_of_jumps(scene, built.model, drives));
   prepared.look_body = bake::look_body_of(scene, built.model);
   if (prepared.look_body)
     prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);

@@ -66,8 +66,8 @@ drive::DriveSource& OpenBake::drives() {
     try {
       drives_.emplace(of_bake, model_, substeps_);
     } catch (const std::invalid_argument& error) {
-      throw bake::BakeError(folder_.string() + ": its model and its scene are of different bakes (" +
-                            error.what() + "); bake again");
+      throw DifferentBakes(folder_.string() + ": its model and its scene are of different bakes (" +
+                           error.what() + "); bake again");
     }
   }
   return *drives_;

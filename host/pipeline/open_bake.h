@@ -10,11 +10,17 @@
 
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/base/errors.h"
 #include "host/drive/drive_source.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::pipeline {
+
+// The manifest's scene is not the one that the folder's model was built from.
+struct DifferentBakes : base::BakeError {
+  using BakeError::BakeError;
+};
 
 // The model and the frames are in the folder; the scene is read again only if its clip is needed.
 class OpenBake {

@@ -307,7 +307,7 @@ constexpr auto names_of(Cage) {
 // How a surface or a character becomes tetrahedra.
 struct BodySettings {
   Cage cage = Cage::automatic;
-  double cage_detail = 100.0;  // a cage closes gaps narrower than the body's diagonal divided by this
+  double cage_detail = 100.0;  // a cage closes gaps up to twice the body's diagonal divided by this
   std::optional<std::uint32_t> vertices;  // target number of vertices; overrides Scene::resolution
   double thickness = 0.0;                 // m: distance of a prop's cage outside its skin
 };

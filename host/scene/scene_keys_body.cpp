@@ -140,10 +140,10 @@ const auto& body_rows() {
           {.name = "cage",
            .doc = "When to wrap a cage around the skin. auto: if it cannot be filled as it is, or if a "
                   "character's is too dense or uneven; off: never; wrap: always."}),
-      key(&BodySettings::cage_detail,
-          {.name = "cage_detail",
-           .doc = "A cage closes gaps and holes narrower than the body's diagonal divided by this.",
-           .range = between(10.0, 2000.0)}),
+      key(&BodySettings::cage_detail, {.name = "cage_detail",
+                                       .doc = "A cage closes gaps and holes up to about twice as wide as the "
+                                              "body's diagonal divided by this.",
+                                       .range = between(10.0, 2000.0)}),
       loose_key(
           {.name = "resolution",
            .type = KeyType::text,

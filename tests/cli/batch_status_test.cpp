@@ -230,6 +230,43 @@ TEST(BatchStatus, ABakeOfOtherSettingsIsNotDone) {
   }
 }
 
+// A run that is ended before it begins a job does not make that job's older bake one of the new settings.
+TEST(BatchStatus, WhatARunHasNotBegunStaysWhatItWas) {
+  const ListedBar bar;
+  const auto list = [&](const std::string& end_of_first, const std::string& end) {
+    bar.write_list("[job.first]\nscene = \"bar-hang-none\"\nset = [\"scene.end=" + end_of_first +
+                   "\"]\n[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=" + end + "\"]\n");
+  };
+  list("0.1", "0.1");
+  ASSERT_EQ(fascicle({"batch", bar.list()}).status, 0);
+  list("20000", "0.2");
+  Program run({"batch", bar.list(), "--overwrite", "--at-once", "1", "--device", "cpu"});
+  wait_until(run, [&] {
+    const std::string manifest = bar.output() + "/first/manifest.json";
+    return fs::exists(manifest) && contains(read_text(manifest), "1200000");
+  });
+  run.send(SIGTERM);
+  EXPECT_EQ(run.wait().status, 75);
+  const Outcome after = status_of(bar.list());
+  EXPECT_TRUE(contains(after.out, "bar    not begun: its folder holds a bake of other settings"))
+      << after.out;
+}
+
+// Folders may be all that tells two versions of a scene apart.
+TEST(BatchStatus, ASceneOfAnotherFolderIsAnotherScene) {
+  const ListedBar bar;
+  for (const char* version : {"v1", "v2"}) {
+    fs::create_directories(bar.folder / version);
+    write_text(bar.folder / version + "/bar.toml", "[bar]\n[layers.body]\nalpha = 0.5\n[scene]\nend = 0.1\n");
+  }
+  bar.write_list("[job.bar]\nscene = \"v1/bar.toml\"\n");
+  ASSERT_EQ(fascicle({"batch", bar.list()}).status, 0);
+  EXPECT_TRUE(contains(status_of(bar.list()).out, "bar  done"));
+  bar.write_list("[job.bar]\nscene = \"v2/bar.toml\"\n");
+  EXPECT_TRUE(
+      contains(status_of(bar.list()).out, "bar  not begun: its folder holds a bake of other settings"));
+}
+
 TEST(BatchStatus, OnlyABatchOfOursIsReplaced) {
   const ListedBar bar;
   fs::create_directories(bar.output());

@@ -187,7 +187,7 @@ TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
 // The record tells of a failure without a manifest, and that a killed process is gone.
 TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   const Farm farm(
-      "[job.long]\nscene = \"bar-hang-none\"\nset = [\"scene.end=3000\"]\n"
+      "[job.long]\nscene = \"bar-hang-none\"\nset = [\"scene.end=20000\"]\n"
       "[job.used]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n");
   fs::create_directories(farm.output() + "/used");
   write_text(farm.output() + "/used/metrics.csv", "mine\n");

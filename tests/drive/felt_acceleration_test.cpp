@@ -154,6 +154,33 @@ TEST(AccelerationLimit, IsTheSameForAllSubsteps) {
   }
 }
 
+// A pose that flips within a substep is carried there and held there: its flesh must not keep the velocity of
+// the flip. The control: without a limit it is thrown the further the shorter the substep.
+TEST(AccelerationLimit, AFlipThrowsNoFlesh) {
+  const auto flip = [](std::uint32_t substeps, double seconds) {
+    BendingBar bar = bending_bar(0.5);
+    bar.scene.motion.interpolation = scene::KeyInterpolation::smooth;  // for the default limit
+    bar.scene.solver.substeps = substeps;
+    rig::Channel turn = turn_channel(1, {0.0, 0.25, 0.25 + seconds, 0.5}, {0.0, 0.0, 0.7, 0.7});
+    if (seconds == 0.0) {
+      turn = turn_channel(1, {0.0, 0.25}, {0.0, 0.7});
+      turn.interpolation = rig::Interpolation::step;
+    }
+    bar.character().clips.push_back({"flip", 0.5, {turn}});
+    return bar;
+  };
+  const double lag = peak_lag(flip(4, 0.0), 3e4);
+  for (const double seconds : {0.0, 0.001, 0.002})
+    for (const std::uint32_t substeps : {4u, 8u, 24u}) {
+      BendingBar bar = flip(substeps, seconds);
+      EXPECT_LT(peak_lag(bar, 3e4), 1.5 * lag + 1e-3 * bar_height) << seconds << " " << substeps;
+      bar.scene.motion.acceleration_limit = 1e9;
+      if (substeps == 24 && seconds == 0.0) {
+        EXPECT_GT(peak_lag(bar, 3e4), 3.0 * lag);
+      }
+    }
+}
+
 // A forearm that jumps to another angle between two keys.
 BendingBar leaping_bar() {
   BendingBar bar = bending_bar(1.0);
