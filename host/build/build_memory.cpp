@@ -42,8 +42,11 @@ std::string fibre_key_of(const scene::Scene& scene, const std::vector<std::uint3
 }
 
 // Everything that region_weights and ElasticMemory read besides the body.
-std::string weights_key_of(const scene::Scene& scene, const Layering& layering, const Model& model) {
+std::string weights_key_of(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
+                           const Model& model) {
   base::ContentHash hash;
+  hash.add_array(std::span<const std::uint32_t>(rings.offset));
+  hash.add_array(std::span<const std::uint32_t>(rings.neighbour));
   hash.add(model.weight_form);
   hash.add_array(std::span<const std::uint32_t>(layering.layer));
   hash.add_array(std::span<const char>(layering.kinematic));
@@ -137,7 +140,7 @@ RegionWeights weights_of(const scene::Scene& scene, const Layering& layering, co
                          WeightMemory* memory, const Model& model) {
   const RestState state{model.rest, model.mass, model.fibre, model.beta};
   if (memory == nullptr) return region_weights(rings, state, model.weight_form);
-  if (std::string key = weights_key_of(scene, layering, model); key != memory->key) {
+  if (std::string key = weights_key_of(scene, layering, rings, model); key != memory->key) {
     *memory = {};
     memory->weights = region_weights(rings, state, model.weight_form);
     memory->key = std::move(key);

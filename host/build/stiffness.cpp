@@ -63,10 +63,11 @@ double compliance(const Symmetric& w, const Symmetric& s) {
          determinant;
 }
 
-// Whether a compliance C_r is only that of rounding: members in a plane, which differ from it by less than a
-// millionth of the region's size, or no number at all.
+// Whether a compliance C_r is only that of rounding: members in a plane, which differ from it by less than
+// three hundred-thousandths of the region's size, or no number at all. Rest positions are floats, which a
+// region of a two-hundredth of the body's size has to 1e-5 of its own.
 bool is_stiff_by_rounding(double compliance, const Symmetric& s) {
-  constexpr double most = 1e12;
+  constexpr double most = 1e9;
   const double stiffness = compliance * (s[0] + s[1] + s[2]);
   return !(stiffness > 0.0 && stiffness < most);
 }

@@ -288,7 +288,7 @@ std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vecto
     shapes.push_back(render::solid_shape(
         {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_ + way, reach_));
     // Shadow maps as wide as a solid that is a floor or a wall would have no texels left for the body.
-    if (solid.half_size.maxCoeff() > reach_) shapes.back().casts_shadow = false;
+    if (solid.half_size.maxCoeff() + solid.radius > reach_) shapes.back().widens_shadows = false;
   }
   return shapes;
 }

@@ -151,14 +151,12 @@ void write_png(const fs::path& path, const render::Image& image) {
   base::write_whole(fs::absolute(path), render::encode_png(image));
 }
 
-// Removes the pictures of an earlier run with more frames, as far as they follow the last one without a gap;
-// anything else in the folder is not ours. Returns how many.
-std::uint64_t remove_later_pictures(const fs::path& folder, std::uint64_t count) {
-  std::uint64_t removed = 0;
-  for (;; ++removed) {
-    const fs::path later = folder / frame_name(count + removed);
-    if (!fs::is_regular_file(later) || !fs::remove(later)) return removed;
-  }
+// How many pictures in the folder follow the last of this run without a gap. They may be of an earlier run
+// with more frames, or the user's own.
+std::uint64_t later_pictures(const fs::path& folder, std::uint64_t count) {
+  std::uint64_t later = 0;
+  while (fs::exists(folder / frame_name(count + later))) ++later;
+  return later;
 }
 
 // "bone #ede4cf"
@@ -280,9 +278,10 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   }
   gallery.finish();
   if (plan.form == Plan::Form::folder && arguments.overwrite)
-    if (const std::uint64_t removed = remove_later_pictures(arguments.output, plan.frames.size());
-        removed > 0)
-      log.info("removed " + count_text(removed) + " pictures of an earlier run with more frames");
+    if (const std::uint64_t later = later_pictures(arguments.output, plan.frames.size()); later > 0)
+      log.warning(arguments.output + ": also holds " + frame_name(plan.frames.size()) + " to " +
+                  frame_name(plan.frames.size() + later - 1) +
+                  ", which this run did not write; remove them if they are of an earlier run");
   std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
     std::cout << ": " << count_text(plan.frames.size()) << " frames";
@@ -335,7 +334,7 @@ void add_render(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--lag-scale", arguments->lag_scale,
                    "Lag, or depth with --mode contact, at the end of the colour scale, mm")
-      ->check(positive_number(1e9))
+      ->check(number_from(1e-6, 1e9))
       ->option_text("MM");
   subcommand->add_option("--view", arguments->view, "three-quarter, front, side or back")
       ->check(CLI::IsMember({"three-quarter", "front", "side", "back"}).description(""))

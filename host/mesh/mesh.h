@@ -20,6 +20,7 @@ struct SurfaceMesh {
   std::vector<Vector3d> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::uint64_t repeated_corners = 0;  // of the file's faces, left out
+  double concave_work = 0.0;           // corners squared, summed over its concave faces
 };
 
 }  // namespace fascicle::mesh

@@ -17,6 +17,8 @@
 namespace fascicle::mesh {
 namespace {
 
+constexpr const char* no_face_is_left = "no face has three different corners; export the mesh again";
+
 // --- STL: triangles without vertex numbers
 // -------------------------------------------------------------------
 
@@ -147,7 +149,8 @@ SurfaceMesh read_off(const std::string& file, std::string_view text) {
     scanner.word("the end");
     scanner.fail("extra data after the last face; correct the counts");
   }
-  if (mesh.triangles.empty()) scanner.fail("no faces in this file; export a surface");
+  if (mesh.triangles.empty())
+    scanner.fail(mesh.repeated_corners > 0 ? no_face_is_left : "no faces in this file; export a surface");
   return mesh;
 }
 
@@ -201,7 +204,9 @@ SurfaceMesh read_obj(const std::string& file, std::string_view text) {
       while (line_goes_on()) scanner.word("a value");
     }
   }
-  if (mesh.triangles.empty()) scanner.fail("no faces (f) in this file; export the mesh as polygons");
+  if (mesh.triangles.empty())
+    scanner.fail(mesh.repeated_corners > 0 ? no_face_is_left
+                                           : "no faces (f) in this file; export the mesh as polygons");
   return mesh;
 }
 

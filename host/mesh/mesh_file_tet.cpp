@@ -60,6 +60,14 @@ class NodeNumbers {
   std::vector<Entry> entries_;
 };
 
+// Hexahedra, PrismsP2, TetrahedraP3 and the like, but not HexahedraQ2Ordering.
+bool is_other_volume_section(std::string_view keyword) {
+  if (keyword.ends_with("Ordering")) return false;
+  for (const std::string_view kind : {"Tetrahedra", "Hexahedra", "Prisms", "Pyramids"})
+    if (keyword.starts_with(kind)) return true;
+  return false;
+}
+
 }  // namespace
 
 TetMesh read_medit(const std::string& file, std::string_view text) {
@@ -101,8 +109,7 @@ TetMesh read_medit(const std::string& file, std::string_view text) {
         append_tetrahedron(mesh, t, scanner);
         scanner.word("a tetrahedron's reference");
       }
-    } else if (keyword == "Hexahedra" || keyword == "Prisms" || keyword == "Pyramids" ||
-               keyword == "TetrahedraP2") {
+    } else if (is_other_volume_section(keyword)) {
       const std::size_t count = scanner.count("the number of cells", tetrahedron_bytes + 2);
       if (count > 0)
         scanner.fail(other_cells(count) + " (" + std::string(keyword) + "); split them into tetrahedra");

@@ -1,6 +1,7 @@
 // Triangulates the polygons of a surface file.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -10,8 +11,9 @@
 
 namespace fascicle::mesh {
 
-// Cutting up a concave polygon takes time with the square of its corners.
-inline constexpr std::size_t most_concave_corners = 10000;
+// Cutting up a concave polygon takes time with the square of its corners: a face of 20,000, or many smaller
+// ones, take some 2 s.
+inline constexpr double most_concave_work = 4e8;
 
 // Whether the fan around a polygon's first corner covers it, with no triangle turned over.
 bool is_covered_by_fan(const std::vector<Vector3d>& vertices, const std::vector<std::uint32_t>& polygon);
@@ -39,15 +41,18 @@ void append_polygon(SurfaceMesh& mesh, std::vector<std::uint32_t>& polygon, std:
     }
     mesh.triangles.push_back(t);
   };
-  if (polygon.size() < 4 || is_covered_by_fan(mesh.vertices, polygon)) {
+  const auto append_fan = [&] {
     for (std::size_t k = 1; k + 1 < polygon.size(); ++k) append({polygon[0], polygon[k], polygon[k + 1]});
-    return;
-  }
-  if (polygon.size() > most_concave_corners) {
-    fail("a concave face with " + std::to_string(polygon.size()) + " corners, more than " +
-         std::to_string(most_concave_corners) + "; cut it into triangles");
-  }
-  for (const auto& t : cut_into_ears(mesh.vertices, polygon)) append(t);
+  };
+  if (polygon.size() < 4 || is_covered_by_fan(mesh.vertices, polygon)) return append_fan();
+  mesh.concave_work += static_cast<double>(polygon.size()) * static_cast<double>(polygon.size());
+  if (mesh.concave_work > most_concave_work)
+    fail("the concave faces up to here, this one with " + std::to_string(polygon.size()) +
+         " corners, are too large to cut up; cut them into triangles");
+  const auto triangles = cut_into_ears(mesh.vertices, polygon);
+  const auto repeats = [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; };
+  if (std::any_of(triangles.begin(), triangles.end(), repeats)) return append_fan();
+  for (const auto& t : triangles) append(t);
 }
 
 }  // namespace fascicle::mesh

@@ -25,6 +25,7 @@ struct Shape {
                               // interpolation
   bool draw_edges = false;    // thin dark lines along the triangles' edges
   bool casts_shadow = true;
+  bool widens_shadows = true;  // false: shadow maps need not reach all of it, as of a floor
   // With looks, which must outlive the shape: their paints and textures multiply `colours`.
   const Looks* looks = nullptr;
   std::vector<std::uint32_t> paints;  // one per triangle

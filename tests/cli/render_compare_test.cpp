@@ -382,6 +382,26 @@ TEST_F(RenderBesideSolid, ALargeBlockShowsTheBodysShadow) {
   EXPECT_GT(static_cast<double>(dark), 0.03 * static_cast<double>(plane.size()) / 3.0);
 }
 
+// A roof shades the body however large it is: shadow maps do not reach all of a large one, which still casts.
+TEST_F(RenderBesideSolid, ARoofShadesTheBody) {
+  const auto brightness = [&](const std::string& width) {
+    bake_beside("shape = \"box\"\ncenter = [0.0, 0.6, 0.0]\nsize = [" + width + ", 0.05, " + width + "]\n",
+                "0.05");
+    (void)shown({"--frame", "0"});
+    fs::remove_all(folder_ / "bake");
+    double sum = 0.0;
+    const std::vector<std::uint8_t> rgb = pixels_of(folder_ / "a.png").rgb;
+    for (const std::uint8_t byte : rgb) sum += byte;
+    return sum / static_cast<double>(rgb.size());
+  };
+  // The body fills the picture. From 1.6 to 1.7 m the roof shades little more of it; a small one shades
+  // nothing.
+  const double small = brightness("0.1"), shaded = brightness("1.6");
+  EXPECT_NEAR(brightness("1.7"), shaded, 0.25 * (small - shaded));
+  EXPECT_LT(brightness("40.0"), shaded);
+  EXPECT_LT(shaded, small - 5.0);
+}
+
 // A block of 40 m whose near side is between the bar and the camera, which is in the block.
 TEST_F(RenderBesideSolid, ASolidAroundTheCameraDoesNotHideTheBody) {
   bake_beside("shape = \"box\"\ncenter = [0.0, 0.0, 20.5]\nsize = [40.0, 40.0, 40.0]\n", "0.5");

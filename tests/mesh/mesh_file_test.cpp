@@ -394,6 +394,9 @@ TEST_F(MeshFile, RefusesVolumeCellsOfOtherKinds) {
   };
   expect_two_tets(tets("a.mesh", medit("Quadrilaterals\n1\n1 2 3 4 0\nHexahedra\n0\n")));
   EXPECT_REFUSED(refusal("a.mesh", medit("Hexahedra\n1\n1 2 3 4 1 2 3 4 0\n")), "1 volume cell is not");
+  for (const char* section : {"HexahedraQ2", "PrismsP2", "TetrahedraP3", "PyramidsP2"})
+    EXPECT_REFUSED(refusal("a.mesh", medit(std::string(section) + "\n1\n1 2 3 4 0\n")), section);
+  expect_two_tets(tets("a.mesh", medit("HexahedraQ2Ordering\n1\n1 2 3\n")));
   EXPECT_REFUSED(refusal("a.mesh", medit("Prisms 2\n1 2 3 4 1 2 0\n1 2 3 4 1 2 0\n")), "(Prisms)");
 
   const auto vtu = [](const std::string& type) {

@@ -224,6 +224,10 @@ TEST_F(Polygon, RepeatedCornersAreLeftOutAndCounted) {
     }
     return "accepted";
   };
+  EXPECT_NE(refusal("d.obj", square + "f 1 1 2\n").find("no face has three different corners"),
+            std::string::npos);
+  // A hair in line with an edge: the fan does without a triangle of one corner twice.
+  EXPECT_EQ(read("e.obj", square + "v -1 1 0\nf 1 2 3 4 5 4\n").triangles.size(), 4u);
   EXPECT_NE(refusal("c.obj", square + "f 1 2 1 4\n").find("names vertex 1 (counted from 1) twice"),
             std::string::npos)
       << refusal("c.obj", square + "f 1 2 1 4\n");

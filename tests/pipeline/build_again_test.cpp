@@ -1,5 +1,6 @@
 // Rebuilding a scene with changed keys: cached parts change no bit of the model and no word of the report.
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,19 @@ TEST_F(BuildAgainTest, SlidingSkinInContactHasTheSameBits) {
                         {contact, "layers.skin.sliding=false"},
                         {contact, "layers.skin.sliding=false", "layers.skin.density=700"},
                         {contact}});
+}
+
+// Vertices that sliding would leave without stiffness keep their neighbours, but only if the step is
+// implicit: the integrator decides the regions.
+TEST_F(BuildAgainTest, SlidingSkinOfEitherIntegratorHasTheSameBits) {
+  fs::create_directories(options_.cache);
+  const fs::path file = options_.cache / "sliding.toml";
+  std::ofstream(file) << "[bar]\nsize = [1.6, 0.6, 0.6]\nvertices = [9, 4, 4]\n[layers.body]\n"
+                         "[layers.skin]\nsliding = true\n"
+                         "where = { box = { minimum = [-9, 0.1, -9], maximum = [9, 9, 9] } }\n";
+  const std::vector<std::string> by_alpha{"layers.body.alpha=0.5", "layers.skin.alpha=0.5"},
+      by_modulus{"layers.body.youngs_modulus=5000", "layers.skin.youngs_modulus=5000"};
+  expect_same(file.string(), {by_alpha, by_modulus, by_alpha});
 }
 
 // A kept model does not depend on gravity, so its report has the warning in either case.
