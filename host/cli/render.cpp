@@ -178,14 +178,17 @@ std::string frame_words(std::uint64_t k, double time) {
   return "frame " + std::to_string(k) + "  " + cli::number_text(time) + " s";
 }
 
-std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k) {
-  if (!scores) return "";
-  const auto row = std::find_if(scores->frames.begin(), scores->frames.end(),
-                                [k](const FrameScore& score) { return score.frame == k; });
-  if (row == scores->frames.end() || !row->look) return "";
-  std::string words = "  look " + cli::number_text(*row->look, 3);
-  if (!row->cause.empty()) words += " " + row->cause;
-  if (!row->joint.empty()) words += "  " + row->joint;
+// {frame: "  look 0.72 stretch  thigh.L"}
+std::map<std::uint64_t, std::string> look_words(const std::optional<FrameScores>& scores) {
+  std::map<std::uint64_t, std::string> words;
+  if (!scores) return words;
+  for (const FrameScore& row : scores->frames) {
+    if (!row.look) continue;
+    std::string& line = words[row.frame];
+    line = "  look " + cli::number_text(*row.look, 3);
+    if (!row.cause.empty()) line += " " + row.cause;
+    if (!row.joint.empty()) line += "  " + row.joint;
+  }
   return words;
 }
 
@@ -194,7 +197,7 @@ class Gallery {
  public:
   Gallery(const RenderArguments& arguments, const DrawnFrames& frames, const Artist& artist,
           const std::optional<FrameScores>& scores, const Plan& plan)
-      : arguments_(arguments), frames_(frames), artist_(artist), scores_(scores), plan_(plan) {}
+      : arguments_(arguments), frames_(frames), artist_(artist), looks_(look_words(scores)), plan_(plan) {}
 
   void add(std::uint64_t k) {
     render::Image image = arguments_.compare ? pair(k) : artist_.picture(k);
@@ -206,8 +209,7 @@ class Gallery {
     }
     if (!arguments_.compare) {
       const unsigned text = std::max(9u, image.height / 40);
-      render::draw_text(image, text, text, text, std::to_string(k) + look_words(scores_, k),
-                        {0.05f, 0.05f, 0.06f});
+      render::draw_text(image, text, text, text, std::to_string(k) + look_of(k), {0.05f, 0.05f, 0.06f});
     }
     cells_.push_back(std::move(image));
   }
@@ -220,19 +222,36 @@ class Gallery {
   }
 
  private:
-  render::Image pair(std::uint64_t k) const {
+  std::string look_of(std::uint64_t k) const {
+    const auto found = looks_.find(k);
+    return found == looks_.end() ? "" : found->second;
+  }
+
+  std::array<std::string, 2> captions_of(std::uint64_t k) const {
+    return {"skinned  " + frame_words(k, frames_.time(k)), "flesh" + look_of(k)};
+  }
+
+  // One height for the whole run: letters that change their size from frame to frame flicker in a film.
+  unsigned letters_above(const render::Image& image) const {
+    unsigned letters = image.height;
+    for (const std::uint64_t k : plan_.frames)
+      letters = std::min(letters, render::caption_height(image.width, image.height, captions_of(k)));
+    return letters;
+  }
+
+  render::Image pair(std::uint64_t k) {
     const std::array<render::Image, 2> images{artist_.skinned_picture(k), artist_.picture(k)};
-    const std::array<std::string, 2> words{"skinned  " + frame_words(k, frames_.time(k)),
-                                           "flesh" + look_words(scores_, k)};
-    return render::row_of(images, words);
+    if (letters_ == 0) letters_ = letters_above(images[0]);
+    return render::row_of(images, captions_of(k), letters_);
   }
 
   const RenderArguments& arguments_;
   const DrawnFrames& frames_;
   const Artist& artist_;
-  const std::optional<FrameScores>& scores_;
+  const std::map<std::uint64_t, std::string> looks_;
   const Plan& plan_;
   std::vector<render::Image> cells_;
+  unsigned letters_ = 0;  // pixels; of captions
 };
 
 // Scores from metrics.csv, if captions or the choice of frames need them.

@@ -154,20 +154,34 @@ void draw_legend(Image& image, const Legend& legend) {
   }
 }
 
-Image row_of(std::span<const Image> images, std::span<const std::string> words) {
+namespace {
+
+// The height of a strip's letters if all captions are short.
+unsigned text_of_row(unsigned image_height) {
+  return std::max(9u, image_height / 32);
+}
+
+}  // namespace
+
+unsigned caption_height(unsigned image_width, unsigned image_height, std::span<const std::string> words) {
+  const unsigned text = text_of_row(image_height);
+  unsigned height = text;
+  for (const std::string& line : words)
+    while (height > 5 && text_width(height, line) + text > image_width) --height;
+  return height;
+}
+
+Image row_of(std::span<const Image> images, std::span<const std::string> words, unsigned letters) {
   if (images.empty()) return {};
-  const unsigned text = std::max(9u, images[0].height / 32), strip = 2 * text;
-  unsigned width = 0, height = text;  // one text height for all captions
-  for (std::size_t k = 0; k < images.size(); ++k) {
-    width += images[k].width;
-    while (height > 5 && text_width(height, words[k]) + text > images[k].width) --height;
-  }
+  const unsigned text = text_of_row(images[0].height), strip = 2 * text;
+  unsigned width = 0;
+  for (const Image& image : images) width += image.width;
   Image row(width, strip + images[0].height);
   std::fill(row.pixels.begin(), row.pixels.end(), paper);
   unsigned x = 0;
   for (std::size_t k = 0; k < images.size(); ++k) {
     const Image& image = images[k];
-    draw_text(row, x + text / 2, (strip - height) / 2, height, words[k], dark_ink);
+    draw_text(row, x + text / 2, (strip - letters) / 2, letters, words[k], dark_ink);
     for (unsigned y = 0; y < image.height; ++y)
       std::memcpy(row.at(x, strip + y), image.at(0, y), std::size_t{3} * image.width);
     x += image.width;

@@ -28,9 +28,11 @@ struct Legend {
 // In the lower left corner. Draws nothing if the picture is too small for it.
 void draw_legend(Image& image, const Legend& legend);
 
-// Pictures of equal height from left to right, each under a strip of paper colour with a line of text. Lines
-// that are too long are drawn smaller.
-Image row_of(std::span<const Image> images, std::span<const std::string> words);
+// The greatest height, in pixels, at which each of these captions fits above a picture of this size.
+unsigned caption_height(unsigned image_width, unsigned image_height, std::span<const std::string> words);
+// Pictures of equal height from left to right, each under a strip of paper colour with a line of text, whose
+// letters are `letters` pixels high.
+Image row_of(std::span<const Image> images, std::span<const std::string> words, unsigned letters);
 
 // Row by row, `columns` per row, all of one size; the rest of the last row stays blank paper.
 Image sheet_of(std::span<const Image> images, unsigned columns);

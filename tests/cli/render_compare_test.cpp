@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -269,6 +270,39 @@ TEST_F(RenderCompare, WorstFramesAreThoseOfTheMetrics) {
   const Outcome without = render({"-o", sheet_, "--worst", "2"});
   EXPECT_TRUE(contains(without.out, "worst first: 4, 8\n")) << without.out;
   EXPECT_TRUE(contains(without.err, "no column look")) << without.err;
+}
+
+// The rows of a picture's first columns above `below` that hold dark ink.
+unsigned inked_rows(const Pixels& picture, unsigned columns, unsigned below) {
+  unsigned rows = 0;
+  for (unsigned y = 0; y < below; ++y) {
+    bool is_inked = false;
+    for (unsigned x = 0; x < columns; ++x) is_inked |= picture.rgb[3 * (y * picture.width + x)] < 120;
+    rows += is_inked;
+  }
+  return rows;
+}
+
+TEST_F(RenderCompare, CaptionsOfARunAreOfOneSize) {
+  const auto written = [&](const std::string& joint) {
+    std::string text = "frame,time,look,look_jump,worst_joint\n";
+    for (int k = 0; k <= 12; ++k) text += std::to_string(k) + ",0,0.5,0.5," + (k == 4 ? joint : "hip") + "\n";
+    write_text(fs::path(bake_) / "metrics.csv", text);
+    const std::string film = folder_ / "film";
+    const Outcome outcome = render({"-o", film, "--compare"}, "400x160");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::set<unsigned> rows;
+    for (const char* name : {"/0002.png", "/0004.png"}) {
+      const Pixels picture = pixels_of(film + name);
+      rows.insert(inked_rows(picture, 100, picture.height - 160));
+    }
+    return rows;
+  };
+  const std::set<unsigned> with_long = written("a-joint-with-a-very-long-name"), with_short = written("hip");
+  EXPECT_EQ(with_long.size(), 1u);
+  EXPECT_EQ(with_short.size(), 1u);
+  // The control: a long name makes the letters of all frames smaller.
+  EXPECT_LT(*with_long.begin(), *with_short.begin());
 }
 
 TEST_F(RenderCompare, WrongUseIsOneClearMessage) {

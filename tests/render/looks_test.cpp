@@ -368,7 +368,9 @@ TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
 TEST(Annotate, RowKeepsPicturesBelowTheirWords) {
   const std::vector<Image> images{plain_image(60, 50), plain_image(60, 50)};
   const std::vector<std::string> words{"skinned", "a line that is much too long for so small a picture"};
-  const Image row = render::row_of(images, words);
+  const unsigned letters = render::caption_height(60, 50, words);
+  EXPECT_LT(letters, render::caption_height(60, 50, std::span(words).first(1)));
+  const Image row = render::row_of(images, words, letters);
   ASSERT_EQ(row.width, 120u);
   const unsigned strip = row.height - 50;
   EXPECT_GT(strip, 8u);
