@@ -118,7 +118,8 @@ const auto& contact_rows() {
           {.name = "ignore",
            .doc = "Flesh without contact: [[\"thigh_L\", \"belly\"], [\"tail\"]]. A pair has no contact with "
                   "each other, a single name has none at all. A name is that of a layer, an object, a "
-                  "material, or a joint, which includes all joints below it."}),
+                  "material, or a joint, which includes all joints below it. All pairs together have at most "
+                  "32 names."}),
       key(&ContactSettings::attribute, {.name = "attribute",
                                         .doc = "Painted attribute; flesh has no contact where it is below "
                                                "0.5: _CONTACT, COLOR_0.b; empty: none."})};

@@ -23,8 +23,8 @@ const auto& solver_rows() {
       key(&SolverSettings::substeps,
           {.name = "substeps",
            .doc = "Substeps per frame; the stiffness that alpha stands for grows with their square. auto: as "
-                  "many as keep it the same at every frame rate and vertex spacing; with the implicit "
-                  "integrator, as many as quality and the layers' lowest modes need.",
+                  "many as keep it the same at every frame rate and vertex spacing, 4 to 256; with the "
+                  "implicit integrator, as many as quality and the layers' lowest modes need.",
            .range = between(1, 1000),
            .allowed = {"auto"}},
           {.by_hand = true}),
@@ -45,7 +45,7 @@ const auto& solver_rows() {
            .doc = "Viscosity of flesh over its stiffness, s, with the implicit integrator: motion at f Hz "
                   "decays by (2 pi f)^2 / 2 times this per second, so thin flesh does not buzz after an "
                   "impact and slow swings remain. At most the length of a substep acts. Default: 0.002 for "
-                  "a character or bones, else 0.",
+                  "a character, else 0.",
            .range = between(0.0, 1.0)},
           {.depends = true}),
       member("has_stated_viscosity", &SolverSettings::has_stated_viscosity)};
@@ -107,10 +107,12 @@ const auto& motion_rows() {
           {.name = "cuts",
            .doc = "Clip times at which the motion jumps, s; the flesh is carried along without reacting.",
            .range = between(-1e5, 1e5)}),
-      key(&Motion::cut_distance, {.name = "cut_distance",
-                                  .doc = "Movement of a root in one frame above which it counts as a jump, "
-                                         "m. Default: the body's largest extent, in frames that stand out.",
-                                  .range = positive(farthest)})};
+      key(&Motion::cut_distance,
+          {.name = "cut_distance",
+           .doc = "Movement of a root in one frame above which it counts as a jump, m. Default: the body's "
+                  "largest extent; the movement must then also be more than four times the median of the "
+                  "0.25 s before it, and of the 0.25 s after it.",
+           .range = positive(farthest)})};
   static_assert(base::has_row_for_each_member<Motion, decltype(all)>, "a member of Motion has no row here");
   return all;
 }

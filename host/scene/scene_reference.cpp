@@ -138,7 +138,8 @@ std::string scene_reference() {
       out,
       "`fascicle schema --markdown` prints this page, from the table that scene files are checked "
       "against; `./do scene-reference` writes it. Metres, kilograms, seconds, Y up. `--set "
-      "layers.fat.beta=0.5` sets any key without a file.");
+      "layers.fat.beta=0.5` changes a key without a file. It adds a named table only as a whole: `--set "
+      "'collider.floor={shape=\"plane\"}'`.");
   const Table& root = scene_table();
   write_paragraph(out, "A file has these tables.");
   write_groups(out, root);

@@ -71,7 +71,7 @@ const Table& scene_table() {
             .table = &force_table()},
            {.name = "collider",
             .type = KeyType::named_tables,
-            .doc = "Solids that flesh cannot enter, by name.",
+            .doc = "Solids that flesh cannot enter, by name; at most 32.",
             .table = &collider_table()}},
       .choices = {{"bar", "mesh", "character"}}};
   return root;
