@@ -50,9 +50,10 @@ PLANTED = {"bone": "heap-buffer-overflow", "fat": "terminate called after throwi
 
 PAGE = """# Fuzzing
 
-Every reader of files from strangers has a target for clang's libFuzzer (`tests/fuzz`). Address, leak and undefined
-behaviour sanitizers run in the same process. Two readers have no target: FBX and Collada, which `fascicle-convert`
-reads with assimp in a sandbox, and the messages between the program and the mesher.
+Readers of files from strangers have targets for clang's libFuzzer (`tests/fuzz`). Address, leak and undefined behaviour
+sanitizers run in the same process. These readers have no target: FBX and Collada, which `fascicle-convert` reads with
+assimp in a sandbox; the messages between the program and the mesher; the `plan.json` that `fascicle batch --emit`
+writes; the results that `fascicle bench --against` reads; and the states that the library saves and loads.
 
 A reader accepts a file, or refuses it with the exception that its header names and a message of one line. Anything else
 is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a process of
@@ -63,9 +64,9 @@ PNG and our own file formats carry checksums. Their targets correct them, so tha
 first checks that the fuzzer finds the flaws of a planted reader: a read past its end, an undocumented exception, a
 leak, an undefined value, an endless loop and 600 MiB at once.
 
-Files here are short: the fuzzer tries far more of them, and no seed is longer. `test_fuzz`, which any compiler builds,
-reads the seeds and all earlier finds, damages them by fixed rules, and extends them to 1 MiB, where a reader may take
-%d s and %d MiB of C++ memory.
+Files are at most as long as the table says, because the fuzzer tries short files much faster. No seed is longer.
+`test_fuzz`, which any compiler builds, reads the seeds and all earlier finds, damages them by fixed rules, and extends
+them to 1 MiB, where a reader may take %d s and %d MiB of C++ memory.
 
 | target | what it reads | files | at most | time | processes | files/s | peak memory | slowest | flaws | commit |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |

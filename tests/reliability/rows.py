@@ -38,7 +38,7 @@ def in_turns(bakes, count):
 
 
 def resumed(bakes, count):
-    """A bake of a bar, or every tenth time of a character, is resumed from a random frame, with another end, other
+    """A bake is resumed from a random frame (nine times in ten of a bar, else of a character), with another end, other
     formats, another number of threads and another device: a CPU level or, where there is one, Vulkan."""
     control_of_files(bakes)
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout

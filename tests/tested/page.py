@@ -12,7 +12,8 @@ SANITIZERS = ("asan", "tsan")
 PAGE = """# What the tests are worth
 
 A passing test says little until one knows what it would have caught. Three commands measure that: whether the suite is
-clean under sanitizers, which lines it runs, and whether it notices planted faults. Each updates its part of this page.
+clean under sanitizers, which lines it runs, and whether it notices planted faults. With `--write`, each updates its
+part of this page.
 
 ## Sanitizers
 
@@ -21,7 +22,8 @@ assertions and the checks of the standard library, and runs the suite. It leaves
 release build, and `reliability`, which preloads a library that would bypass the sanitizers. Reports are counted from
 the sanitizers' own log files, for every process that a test starts, so a test that expects a failure cannot hide one.
 Undefined behaviour ends a process with SIGABRT, which no test expects. First, a planted flaw of each kind must be
-reported, and the programs must have been built with the sanitizer.
+reported, and the programs must have been built with the sanitizer. Suites that a table lacks have not been run under
+that sanitizer yet.
 
 %(sanitizers)s
 ## Coverage
@@ -83,7 +85,7 @@ def mutants_text(figures):
     keys = ("planted", "equivalent", "first", "found")
     counts = {"`%s`" % room: [one[key] for key in keys] + [one["seed"], one["commit"]] for room, one in rooms.items()}
     counts["all"] = [sum(one[key] for one in rooms.values()) for key in keys] + ["", ""]
-    text = table(("room", "planted", "change no result", "found at first", "found now", "seed", "commit"), [
+    text = table(("room", "planted", "without effect", "found at first", "found now", "seed", "commit"), [
         (name, planted, equivalent, *("%d (%s)" % (found, share(found, planted - equivalent)) for found in (first, now)),
          seed, commit) for name, (planted, equivalent, first, now, seed, commit) in counts.items()])
     living = [row for one in rooms.values() for row in one["living"]]
