@@ -4,8 +4,11 @@
 // given (float64), then a checkpoint's bytes (host/bake/checkpoint.h) with the model's identity.
 #include "host/api/solver_state.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <stdexcept>
 #include <string_view>
 
 #include "host/api/boundary.h"
@@ -59,6 +62,21 @@ std::string saved_bytes(const fascicle_solver& solver) {
   throw bake::BakeError("the solver's state cannot be used: " + why);
 }
 
+// The hash keeps out damage, not a forger.
+void check_values(const fascicle_solver& solver, const model::State& state, double time,
+                  const drive::Pose& pose) {
+  try {
+    model::check_state(solver.body->model, state);
+  } catch (const std::invalid_argument& error) {
+    refuse_state(error.what());
+  }
+  const bool is_finite =
+      std::isfinite(time) && std::ranges::all_of(state.origin, [](double x) { return std::isfinite(x); }) &&
+      std::ranges::all_of(pose, [](const Eigen::Matrix4d& joint) { return joint.allFinite(); });
+  if (!is_finite) refuse_state("its time, origin or pose is not finite");
+  check_finite(state.positions, state.frame);
+}
+
 void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   Head head{};
   if (!bytes.starts_with(magic)) refuse_state("the bytes are not from fascicle_solver_save of this version");
@@ -85,7 +103,7 @@ void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   if (const std::string text = text_of(bake::differences(found.identity, identity_of_steps(solver)));
       !text.empty())
     refuse_state("it is from another model or solver: " + text);
-  check_finite(found.state.positions, found.state.frame);
+  check_values(solver, found.state, head.time, pose);
   solver.solver->load(found.state);
   solver.frame = head.frame;
   solver.time = head.time;

@@ -30,7 +30,8 @@ TARGETS = {
     "scene": "scene files", "set": "values of `--set`", "jobs": "lists of jobs", "paint": "paint files",
     "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",
     "start": "a kept start", "manifest": "`manifest.json`", "metrics": "`metrics.csv`",
-    "record": "a job's record", "batch": "`batch.json`", "body": "a kept body", "report": "a kept model's report",
+    "record": "a job's record", "batch": "`batch.json`", "plan": "`plan.json`", "body": "a kept body",
+    "report": "a kept model's report",
     "message": "messages to the studio", "session": "the studio's `session.json`",
 }
 # No seed is longer. test_fuzz reads long files, by growing seeds to a mebibyte; the fuzzer is faster with short ones.
@@ -52,8 +53,8 @@ PAGE = """# Fuzzing
 
 Readers of files from strangers have targets for clang's libFuzzer (`tests/fuzz`). Address, leak and undefined behaviour
 sanitizers run in the same process. These readers have no target: FBX and Collada, which `fascicle-convert` reads with
-assimp in a sandbox; the messages between the program and the mesher; the `plan.json` that `fascicle batch --emit`
-writes; the results that `fascicle bench --against` reads; and the states that the library saves and loads.
+assimp in a sandbox; the messages between the program and the mesher; the results that `fascicle bench --against` reads;
+and the states that the library saves and loads, which a test damages.
 
 A reader accepts a file, or refuses it with the exception that its header names and a message of one line. Anything else
 is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a process of

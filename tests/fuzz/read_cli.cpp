@@ -4,6 +4,7 @@
 #include "host/bake/sealed_json.h"
 #include "host/base/errors.h"
 #include "host/base/json_text.h"
+#include "host/cli/batch_plan.h"
 #include "host/cli/batch_summary.h"
 #include "host/cli/job_record.h"
 #include "host/cli/metrics_table.h"
@@ -43,6 +44,12 @@ bool batch(std::string_view bytes) {
   if (!object.is_object() || !bake::is_damaged(object)) return is_whole;
   file.write(bake::sealed_text(object));
   return is_summary();
+}
+
+bool plan(std::string_view bytes) {
+  static const OneFile file(cli::plan_file);
+  file.write(bytes);
+  return is_taken<base::BakeError>([] { (void)cli::find_plan(file.folder()); });
 }
 
 }  // namespace fascicle::fuzz

@@ -25,6 +25,7 @@ std::vector<Reader> readers() {
           {"metrics", metrics},
           {"record", record},
           {"batch", batch},
+          {"plan", plan},
           {"body", body},
           {"report", report},
           {"message", message},

@@ -35,6 +35,7 @@ bool manifest(std::string_view bytes);
 bool metrics(std::string_view bytes);  // metrics.csv
 bool record(std::string_view bytes);   // a job's record
 bool batch(std::string_view bytes);    // batch.json
+bool plan(std::string_view bytes);     // plan.json of `fascicle batch --emit`
 bool body(std::string_view bytes);     // a built body, in the cache
 bool report(std::string_view bytes);   // of a model in the cache
 // Messages to the studio, and its session file.

@@ -2,6 +2,7 @@
 #include <iterator>
 
 #include "host/base/helper_program.h"
+#include "host/cli/batch_plan.h"
 #include "host/cli/batch_summary.h"
 #include "host/cli/job_record.h"
 #include "host/scene/jobs.h"
@@ -40,6 +41,13 @@ void add_cli_seeds(std::vector<Seed>& seeds) {
   other.exit_status = std::nullopt;
   cli::write_batch_summary(folder.path(), {row, other});
   seeds.push_back({"batch", "two", content_of(folder.path() / scene::batch_summary)});
+  scene::Jobs jobs;
+  jobs.output = "out";
+  jobs.jobs = {{.name = "walk", .scene = "man.glb", .clip = "walk"}, {.name = "arm", .scene = "arm"}};
+  jobs.jobs.back().set = row.set;
+  jobs.jobs.back().formats = row.formats;
+  cli::write_plan(folder.path(), "jobs.toml", jobs);
+  seeds.push_back({"plan", "two", content_of(folder.path() / cli::plan_file)});
 }
 
 }  // namespace fascicle::fuzz

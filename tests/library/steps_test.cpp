@@ -3,7 +3,9 @@
 #include <cfenv>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,6 +13,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include "include/fascicle/fascicle.hpp"
 #include "tests/library/shell.h"
@@ -165,6 +169,93 @@ TEST(Steps, DamagedAndForeignStatesAreRefused) {
   fascicle::solver of_bar(bar_model, fascicle::device("cpu"));
   refused(of_bar, good, "another model's");
   refused(solver, of_bar.save(), "another model's");
+  solver.load(good);
+}
+
+// With correct checksums: the canonical XXH3-128 of the length and the bytes, and the XXH3-64 at the end of
+// the checkpoint, which begins at `checkpoint`.
+std::vector<std::byte> resealed(std::vector<std::byte> bytes, std::size_t checkpoint) {
+  constexpr std::size_t magic = 8, digits = 32, body = magic + digits;
+  const std::uint64_t inner =
+      XXH3_64bits(bytes.data() + checkpoint, bytes.size() - sizeof inner - checkpoint);
+  std::memcpy(bytes.data() + bytes.size() - sizeof inner, &inner, sizeof inner);
+  std::vector<std::byte> hashed(sizeof(std::uint64_t));
+  const std::uint64_t length = bytes.size() - body;
+  std::memcpy(hashed.data(), &length, sizeof length);
+  hashed.insert(hashed.end(), bytes.begin() + body, bytes.end());
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits(hashed.data(), hashed.size()));
+  for (std::size_t k = 0; k < digits; ++k) {
+    const unsigned nibble = k % 2 == 0 ? canonical.digest[k / 2] >> 4 : canonical.digest[k / 2] & 15;
+    bytes[magic + k] = static_cast<std::byte>("0123456789abcdef"[nibble]);
+  }
+  return bytes;
+}
+
+// What a stranger wrote is refused, or it is a state: the next step then ends, with or without a finite
+// result.
+TEST(Steps, ForgedStatesAreTakenOrRefused) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu", 1));
+  const std::vector<double> pose = solver.clip_pose(0);
+  solver.start_pose(pose);
+  const std::vector<std::byte> good = solver.save();
+  constexpr std::size_t head = 40, pose_begin = head + 32;
+  const std::size_t checkpoint = pose_begin + pose.size() * sizeof(double);
+  ASSERT_EQ(std::memcmp(good.data() + checkpoint, "FASCCKPT", 8), 0);
+  ASSERT_EQ(resealed(good, checkpoint), good) << "the test seals as the library does";
+
+  std::mt19937_64 random(1);
+  int taken = 0, refused = 0, bad_input = 0;
+  const auto offer = [&](const std::vector<std::byte>& changed, std::size_t at) {
+    const std::vector<std::byte> bytes = resealed(changed, checkpoint);
+    const fascicle_status loaded = fascicle_solver_load(solver.get(), bytes.data(), bytes.size());
+    if (loaded != FASCICLE_OK) {
+      ++refused;
+      bad_input += loaded == FASCICLE_BAD_INPUT;
+      EXPECT_TRUE(loaded == FASCICLE_BAD_INPUT || loaded == FASCICLE_NOT_FINITE)
+          << at << ": " << fascicle_last_message();
+      return;
+    }
+    ++taken;
+    try {
+      solver.step_pose(pose);
+    } catch (const fascicle::error& error) {
+      EXPECT_TRUE(error.status() == FASCICLE_NOT_FINITE || error.status() == FASCICLE_BAD_ARGUMENT)
+          << at << ": " << error.what();
+    }
+  };
+  // Each byte before the first array, and others at random: another bit, all bits, a number that is not one.
+  const std::size_t described = std::min(good.size() - 8, checkpoint + 600);
+  for (std::size_t k = 0; k < 900; ++k) {
+    const std::size_t at = k < described - head ? head + k : head + random() % (good.size() - 8 - head);
+    std::vector<std::byte> bytes = good;
+    if (k % 3 == 0) {
+      bytes[at] ^= static_cast<std::byte>(1U << (random() % 8));
+    } else if (k % 3 == 1) {
+      bytes[at] = std::byte{0xff};
+    } else {
+      const double nan = std::nan("");
+      const std::size_t begin = std::min(at - at % 8, good.size() - 16);
+      std::memcpy(bytes.data() + begin, &nan, sizeof nan);
+    }
+    offer(bytes, at);
+  }
+  // A value less in an array, whose length says so.
+  std::vector<std::byte> shorter = good;
+  const std::uint64_t floats = solver.positions().size();
+  const std::vector<std::byte> length(reinterpret_cast<const std::byte*>(&floats),
+                                      reinterpret_cast<const std::byte*>(&floats + 1));
+  const auto found = std::search(shorter.begin() + static_cast<std::ptrdiff_t>(checkpoint), shorter.end(),
+                                 length.begin(), length.end());
+  ASSERT_NE(found, shorter.end());
+  const std::uint64_t fewer = floats - 1;
+  std::memcpy(&*found, &fewer, sizeof fewer);
+  shorter.erase(found + 8, found + 12);
+  const int before = bad_input;
+  offer(shorter, 0);
+  EXPECT_EQ(bad_input, before + 1) << fascicle_last_message();
+  EXPECT_GT(taken, 20);
+  EXPECT_GT(refused, 200);
   solver.load(good);
 }
 
