@@ -94,23 +94,23 @@ FieldNames words_in_code(const std::string& text) {
 
 // The names of all fields, at any depth. Some objects are maps: their keys are names of the scene, devices or
 // numbers.
-void add_field_names(const FieldJson& json, FieldNames& names) {
+void add_field_names(const FieldJson& found, FieldNames& names) {
   static const FieldNames maps{"copy_gb_s", "gpus", "ns_by_stage", "per_bone", "probes", "triad_gb_s"};
-  if (json.is_array())
-    for (const FieldJson& entry : json) add_field_names(entry, names);
-  if (!json.is_object()) return;
-  for (const auto& [name, value] : json.items()) {
+  if (found.is_array())
+    for (const FieldJson& entry : found) add_field_names(entry, names);
+  if (!found.is_object()) return;
+  for (const auto& [name, value] : found.items()) {
     names.insert(name);
     if (!value.is_object() || !maps.contains(name)) add_field_names(value, names);
   }
 }
 
 // The fields that neither the section nor `elsewhere` names.
-FieldNames missing_fields(const FieldJson& json, const std::string& section,
+FieldNames missing_fields(const FieldJson& found, const std::string& section,
                           const FieldNames& elsewhere = {}) {
   FieldNames written, named = words_in_code(section), missing;
   named.insert(elsewhere.begin(), elsewhere.end());
-  add_field_names(json, written);
+  add_field_names(found, written);
   std::ranges::set_difference(written, named, std::inserter(missing, missing.end()));
   return missing;
 }
@@ -206,13 +206,13 @@ TEST(JsonPage, NamesTheFieldsOfBatchesAndTimings) {
       missing_fields(FieldJson::parse(read_text(folder / "batch.json")), page_section(page, "batch.json")),
       none_missing);
 
-  cli::BenchResults results;
-  results.machine.gpus["vulkan:0"] = "a GPU";
-  results.triad[1] = 20.0;
-  results.copy["vulkan:0"] = 2000.0;
-  results.rows.emplace_back();
-  results.rows.back().stages["region"] = 1.0;
-  cli::write_bench_json(folder / "bench.json", results);
+  cli::BenchResults timings;
+  timings.machine.gpus["vulkan:0"] = "a GPU";
+  timings.triad[1] = 20.0;
+  timings.copy["vulkan:0"] = 2000.0;
+  timings.rows.emplace_back();
+  timings.rows.back().stages["region"] = 1.0;
+  cli::write_bench_json(folder / "bench.json", timings);
   EXPECT_EQ(missing_fields(FieldJson::parse(read_text(folder / "bench.json")), page_section(page, "bench")),
             none_missing);
 }

@@ -41,11 +41,15 @@ void add_cli_seeds(std::vector<Seed>& seeds) {
   other.exit_status = std::nullopt;
   cli::write_batch_summary(folder.path(), {row, other});
   seeds.push_back({"batch", "two", content_of(folder.path() / scene::batch_summary)});
+  scene::Job walk{}, arm{};
+  walk.name = walk.clip = "walk";
+  walk.scene = "man.glb";
+  arm.name = arm.scene = "arm";
+  arm.set = row.set;
+  arm.formats = row.formats;
   scene::Jobs jobs;
   jobs.output = "out";
-  jobs.jobs = {{.name = "walk", .scene = "man.glb", .clip = "walk"}, {.name = "arm", .scene = "arm"}};
-  jobs.jobs.back().set = row.set;
-  jobs.jobs.back().formats = row.formats;
+  jobs.jobs = {walk, arm};
   cli::write_plan(folder.path(), "jobs.toml", jobs);
   seeds.push_back({"plan", "two", content_of(folder.path() / cli::plan_file)});
 }
