@@ -14,8 +14,8 @@ FOUND_FILE = os.path.join(DOCS, "reliability.json")
 PAGE = """# Reliability
 
 Bakes run overnight, on farms, on files from strangers. `./do reliability` disturbs bakes in every way that we could
-think of, and checks that nothing is lost and nothing crashes. Without arguments, or with `--write`, it writes this
-page.
+think of, and checks that nothing is lost and nothing crashes. It writes this page; for single rows,
+`./do reliability ROW... --write` does.
 
 Most rows disturb three small bakes: a bar with one file per frame, a character in all formats with a cached body, and
 a character whose body is built and settled in each run. Every file that has its final name afterwards is compared, byte
