@@ -36,7 +36,7 @@ BatchPlan read_plan(const fs::path& folder) {
       plan.jobs.push_back({job.at("job"), job.at("scene"), job.at("clip"), job.at("set"), job.at("format")});
       // The plan may come from a stranger, and a job's name becomes a path.
       if (const std::string& name = plan.jobs.back().name; !scene::is_job_name(name))
-        throw damaged_plan(folder, ": \"" + name.substr(0, 200) + "\" is not a job's name");
+        throw damaged_plan(folder, ": \"" + base::shown_text(name.substr(0, 200)) + "\" is not a job's name");
     }
     return plan;
   } catch (const PlanJson::exception&) {

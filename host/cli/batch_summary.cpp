@@ -6,6 +6,7 @@
 #include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/base/json_text.h"
+#include "host/base/text.h"
 #include "host/cli/exit_codes.h"
 #include "host/scene/jobs.h"
 
@@ -23,7 +24,8 @@ base::BakeError damaged(const std::filesystem::path& output, const std::string& 
 
 SummaryRow row_of(const SummaryJson& json, const std::filesystem::path& output) {
   const std::string job = json.at("job");
-  if (!scene::is_job_name(job)) throw damaged(output, ": \"" + job.substr(0, 200) + "\" is not a job's name");
+  if (!scene::is_job_name(job))
+    throw damaged(output, ": \"" + base::shown_text(job.substr(0, 200)) + "\" is not a job's name");
   const SummaryJson& status = json.at("exit_status");
   if (!status.is_null() && !is_exit_status(status))
     throw damaged(output, ": the exit status of " + job + " is not one of 0 to 255");
