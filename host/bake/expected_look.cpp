@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <queue>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "host/bake/points.h"
 #include "host/base/text.h"
 #include "host/drive/felt_acceleration.h"
+#include "host/model/overlap.h"
 
 namespace fascicle::bake {
 
@@ -278,7 +280,7 @@ std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried
   return "frames " + base::number_text(tried.first + 1) + " to " + base::number_text(tried.last) +
          " were tried before the bake and look wrong: " +
          look_warning(tried.cause, tried.worst, skeleton[tried.worst.joint].name, tried.frame,
-                      tried.frames_over);
+                      tried.frames_over, tried.driven);
 }
 
 TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
@@ -293,6 +295,7 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
   tried.last = std::min(frame + frames_of(tried_after), last_frame);
   solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
   Look look(model, body, scene.fps);
+  std::optional<model::OverlapMeter> overlap;
   for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
     if (goes_on && !goes_on(tried)) break;
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
@@ -306,7 +309,12 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
       continue;
     }
     const LookScores scores = look.of(seen);
-    if (scores.worst().score > 1.0) ++tried.frames_over;
+    if (scores.worst().score > 1.0) {
+      ++tried.frames_over;
+      if (!overlap && model.has_contact()) overlap.emplace(model);
+      const double driven = overlap ? overlap->of(seen.skinned).deepest : 0.0;
+      if (driven > deepest_for_contact * model::extent(model)) tried.driven = std::max(tried.driven, driven);
+    }
     if (scores.worst().score <= tried.worst.score) continue;
     tried.worst = scores.worst();
     tried.cause = scores.cause();

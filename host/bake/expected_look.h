@@ -56,6 +56,7 @@ struct TriedLook {
   LookMeasure cause = LookMeasure::stretch;
   std::uint64_t frame = 0;  // with the worst score
   std::uint64_t frames_over = 0;
+  double driven = 0.0;  // for look_warning
 };
 
 // One line on a look over the limit: what was seen, where, and a remedy.

@@ -35,10 +35,13 @@ struct Peak {
   std::uint64_t frame = 0, frames_over = 0;
 };
 
+// Flesh that contact has pushed aside takes about this long to come back, s.
+constexpr double after_contact = 0.5;
+
 }  // namespace
 
 std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
-                         std::uint64_t frame, std::uint64_t frames_over) {
+                         std::uint64_t frame, std::uint64_t frames_over, double driven) {
   const std::string at = "joint \"" + joint + "\"", value = base::short_text(score.value);
   std::string seen, help;
   switch (measure) {
@@ -57,8 +60,9 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
     case LookMeasure::distance:
       seen = "the skin at " + at + " is " + value + " of the body's thickness away from skinning";
       help =
-          "no bone holds it, or its flesh is too soft: name the joint in [skeleton] bones or kinematic, or "
-          "make its layer stiffer (a lower --softness)";
+          "its flesh is too soft, or no bone holds it: make its layer stiffer (a lower --softness), or name "
+          "the joint, or the free ones below it (`fascicle inspect` lists them), in [skeleton] bones or "
+          "kinematic";
       break;
     case LookMeasure::rigid:
       seen = "a part that only " + at + " moves is strained by " + value;
@@ -77,6 +81,11 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
           "volume";
       break;
   }
+  // Rigid parts feel no contact.
+  if (driven > 0.0 && measure != LookMeasure::rigid)
+    help = "the clip drives flesh " + base::short_text(driven) +
+           " m into other flesh, and contact pushes it out: keep these parts apart in the clip, or leave "
+           "their contact out ([contact] ignore, or --set contact.self=false for all)";
   // A share of the triangles or tetrahedra is the limit of a count.
   const bool is_count = measure == LookMeasure::crossing || measure == LookMeasure::inverted;
   const std::string limit = is_count
@@ -102,6 +111,8 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
   std::array<std::size_t, look_measures> columns{};
   for (std::size_t m = 0; m < look_measures; ++m)
     columns[m] = column(std::string(look_column) + '_' + name_of(static_cast<LookMeasure>(m)));
+  const std::size_t overlap = column(deepest_skinned_column);
+  std::vector<double> driven;  // m, per frame
 
   LookSummary summary;
   std::array<Peak, look_measures> peaks;
@@ -110,6 +121,7 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
     const auto frame = number_in<std::uint64_t>((*row)[0]);
     const auto score = number_in<double>((*row)[worst]);
     if (score > 1.0) ++summary.frames_over;
+    driven.push_back(overlap < row->size() ? number_in<double>((*row)[overlap]) : 0.0);
     for (std::size_t m = 0; m < look_measures; ++m) {
       const auto of_measure = number_in<double>((*row)[columns[m]]);
       if (of_measure > 1.0) ++peaks[m].frames_over;
@@ -130,6 +142,14 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
   std::stable_sort(over.begin(), over.end(),
                    [&](std::size_t a, std::size_t b) { return peaks[a].score > peaks[b].score; });
   const LookBody body = look_body(model, rig);
+  const double deepest = deepest_for_contact * model::extent(model);
+  const auto driven_before = [&](std::uint64_t frame) {
+    if (frame >= driven.size()) return 0.0;
+    const auto last = driven.begin() + static_cast<std::ptrdiff_t>(frame);
+    const auto frames = static_cast<std::ptrdiff_t>(std::ceil(after_contact * fps));
+    const double most = *std::max_element(last - std::min(frames, last - driven.begin()), last + 1);
+    return most > deepest ? most : 0.0;
+  };
   for (const std::size_t m : over) {
     Look look(model, body, fps);
     const std::uint64_t frame = peaks[m].frame;
@@ -137,7 +157,7 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
       look.remember(frame_at(k));
     const LookScore score = look.of(frame_at(frame)).of[m];
     summary.warnings.push_back(look_warning(static_cast<LookMeasure>(m), score, body.joint_names[score.joint],
-                                            frame, peaks[m].frames_over));
+                                            frame, peaks[m].frames_over, driven_before(frame)));
   }
   return summary;
 }

@@ -31,8 +31,14 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
                                         const rig::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at);
 
-// One line for the log: what was seen, where, over which limit, and a remedy.
+// One line for the log: what was seen, where, over which limit, and a remedy. `driven`, m: how deep the clip
+// drives flesh into other flesh at or shortly before that frame, if that is too deep for contact; else 0.
 std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
-                         std::uint64_t frame, std::uint64_t frames_over);
+                         std::uint64_t frame, std::uint64_t frames_over, double driven = 0.0);
+
+// Contact pushes flesh out of other flesh. Where skinning alone lays it deeper than this share of the body's
+// extent, as when an arm passes through a belly, no shape of the flesh looks right, and stiffer flesh looks
+// worse: the limbs' bones stay where they are.
+inline constexpr double deepest_for_contact = 0.04;
 
 }  // namespace fascicle::bake

@@ -214,7 +214,8 @@ class MetricsSink final : public formats::FrameSink {
     if (overlap_) {
       line += ",contact_vertices,contact_deepest,contact_volume";
       if (info_.model->has_skeleton())
-        line += ",contact_vertices_skinned,contact_deepest_skinned,contact_volume_skinned";
+        line +=
+            std::string(",contact_vertices_skinned,") + deepest_skinned_column + ",contact_volume_skinned";
     }
     for (const model::Layer& layer : info_.model->layers)
       for (const char* column : {volume_column, volume_ratio_column})

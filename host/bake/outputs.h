@@ -58,6 +58,7 @@ std::unique_ptr<formats::FrameSink> make_metrics_sink(const LookBody* body = nul
 inline constexpr const char* metrics_name = "metrics.csv";
 inline constexpr const char* lag_column = "lag_";
 inline constexpr const char* look_column = "look";
+inline constexpr const char* deepest_skinned_column = "contact_deepest_skinned";
 inline constexpr const char* look_joint_column = "worst_joint";
 inline constexpr const char* volume_column = "volume_";
 inline constexpr const char* volume_ratio_column = "volume_ratio_";

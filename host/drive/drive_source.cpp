@@ -350,6 +350,8 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
   const std::uint64_t substeps = impl.substeps, last = scene::cycle_frames(impl.scene) * substeps;
   std::vector<Thrown> of_joint(impl.model.joint_count);
   for (std::uint64_t count = 2; count <= last; ++count) {
+    // A clip that ends between two frames stops there, and no key is to blame.
+    if (impl.timeline->is_over(count)) break;
     for (std::size_t j = 0; j < of_joint.size(); ++j) {
       const double a = impl.accelerates(j, count) ? impl.acceleration_of(j, count) : 0.0;
       if (a > std::max(impl.felt->limit(j), of_joint[j].acceleration))

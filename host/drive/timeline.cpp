@@ -11,6 +11,12 @@ namespace fascicle::drive {
 
 using scene::Vector3d;
 
+namespace {
+
+constexpr double rounding = 1e-9;  // s
+
+}  // namespace
+
 Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
                    std::span<const double> extents, std::uint64_t substeps)
     : scene_(scene),
@@ -59,7 +65,6 @@ double Timeline::clip_time(std::uint64_t count) const {
     if (!(motion.hold > 0.0)) return time_of(count);
     // If the end is not at a whole frame, the nearest frame's pose is held, or the end's if that comes
     // before.
-    constexpr double rounding = 1e-9;  // s
     const double last = time_of(cycle_);
     const double held = last > scene_.end - rounding ? scene_.end : last;
     return count > cycle_ ? held : std::min(time_of(count), held);
@@ -69,6 +74,10 @@ double Timeline::clip_time(std::uint64_t count) const {
   const std::uint64_t in_cycle = (count - 1) % cycle_ + 1;
   return scene_.start +
          (scene_.end - scene_.start) * (static_cast<double>(in_cycle) / static_cast<double>(cycle_));
+}
+
+bool Timeline::is_over(std::uint64_t count) const {
+  return clip_time(count) > scene_.end + rounding;
 }
 
 const Pose& Timeline::pose(std::uint64_t count) {

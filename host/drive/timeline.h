@@ -36,6 +36,8 @@ class Timeline {
 
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
+  // Whether that is after the clip's end, as in a last frame that the clip does not fill.
+  bool is_over(std::uint64_t count) const;
 
   // Position of the root joint, metres of the scene; for several characters the mean over those that no other
   // bears, and that have flesh or bear some.

@@ -111,7 +111,7 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   if (keys && keys->first > scene.start && thrown.front().time <= keys->first + 2.0 / scene.fps)
     return text + "; there the clip's first key ends a pose that is held: --start " +
            number_text(keys->first, 4) + " begins with the motion";
-  return text + "; look for keys that jump there";
+  return text + "; look for keys that jump there, or raise the limit if the motion is meant";
 }
 
 // A warning if a root jumps, or empty. Flesh is carried along, which looks wrong where speed was meant.

@@ -373,6 +373,32 @@ TEST(LookReport, CountsHaveWholeLimits) {
       contains(bake::look_warning(bake::LookMeasure::stretch, score, "thigh", 75, 9), "(limit 321.99; 9 "));
 }
 
+// Flesh that the clip drives deep into other flesh half a second before is the reason; a lighter touch is
+// not, and neither is one of long ago.
+TEST(LookReport, NamesContactThatIsTooDeep) {
+  const TemporaryFolder folder;
+  const model::Model model = bar_with_skin();
+  const double deep = 1.1 * bake::deepest_for_contact * model::extent(model);
+  const auto warning_of = [&](double depth, std::uint64_t frames_before) {
+    std::string text =
+        "frame,contact_deepest_skinned,look,worst_joint,look_stretch,look_crossing,look_distance,look_rigid,"
+        "look_jump,look_inverted\n";
+    for (std::uint64_t k = 0; k <= 40; ++k)
+      text += std::to_string(k) + "," + std::to_string(k + frames_before == 40 ? depth : 0.0) +
+              (k == 40 ? ",1.25,joint 1,1.25,0,0,0,0,0\n" : ",0,,0,0,0,0,0,0\n");
+    write_text(folder / "metrics.csv", text);
+    const auto summary = bake::look_summary(folder / "", model, nullptr, 60.0, [&](std::uint64_t k) {
+      return frame_of(model, k == 40 ? Map(drawn_out) : Map(still), still, k);
+    });
+    return summary.value().warnings.at(0);
+  };
+  for (const std::uint64_t before : {0, 30})
+    EXPECT_TRUE(contains(warning_of(deep, before), "[contact] ignore")) << before;
+  EXPECT_FALSE(contains(warning_of(deep, 31), "[contact]"));
+  EXPECT_FALSE(contains(warning_of(0.8 * deep, 0), "[contact]"));
+  EXPECT_TRUE(contains(warning_of(0.8 * deep, 0), "--cage-detail"));
+}
+
 TEST(LookReport, IsNothingWithoutASkeleton) {
   const TemporaryFolder folder;
   fake_bake_into(options_for(folder / "out"), short_scene(2));

@@ -222,6 +222,24 @@ TEST(AccelerationLimit, IsSaidWhereItBites) {
   EXPECT_TRUE(drive::DriveSource(meant.scene, meant.model).thrown().empty());
 }
 
+// A clip need not end at a whole frame. Its skeleton then stops within the last frame, and nobody has to look
+// for keys there. The control: a pose that is held after the clip does stop the skeleton.
+TEST(AccelerationLimit, IsNotSaidOfAClipsEnd) {
+  BendingBar bar = bending_bar(0.495);
+  bar.scene.motion.interpolation = scene::KeyInterpolation::smooth;
+  const double seconds = bar.scene.end, speed = 1.2;
+  bar.character().clips.push_back(
+      {"ride",
+       seconds,
+       {root_channel({{0.0, Vector3d::Zero()}, {seconds, Vector3d(speed * seconds, 0, 0)}})}});
+  ASSERT_GT(static_cast<double>(scene::cycle_frames(bar.scene)), seconds * bar.scene.fps);
+  EXPECT_TRUE(drive::DriveSource(bar.scene, bar.model).thrown().empty());
+  bar.scene.motion.hold = 0.5;
+  const auto thrown = drive::DriveSource(bar.scene, bar.model).thrown();
+  ASSERT_FALSE(thrown.empty());
+  EXPECT_NEAR(thrown[0].time, seconds, 1.0 / bar.scene.fps);
+}
+
 // The limit is applied as a cut, which the float solver and the Oracle implement separately.
 TEST(AccelerationLimit, TheOracleFeelsTheSame) {
   BendingBar bar = accelerated_bar();
