@@ -117,6 +117,11 @@ TEST(Text, NumbersAsPeopleReadThem) {
   EXPECT_EQ(cli::float_text(0.1f), "0.100000001");
 }
 
+TEST(Text, ColumnsAlignAfterLettersOfSeveralBytes) {
+  EXPECT_EQ(cli::columns_text({{"h\u00fcfte.x", "a"}, {"spine.x", "b"}, {"\u8155.L", "c"}}),
+            "  h\u00fcfte.x  a\n  spine.x  b\n  \u8155.L     c\n");
+}
+
 TEST(Log, AdvanceSaysShareRateAndTimeLeft) {
   const cli::Advance half{.what = "baking", .done = 60, .total = 120, .rate = 30.0, .seconds_left = 2.0};
   EXPECT_EQ(cli::advance_text(half, 0), "baking  50 %  frame 60/120  30 frames/s  2.00 s left");
