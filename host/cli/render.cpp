@@ -303,7 +303,7 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
                   ", which this run did not write; remove them if they are of an earlier run");
   std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
-    std::cout << ": " << count_text(plan.frames.size()) << " frames";
+    std::cout << ": " << counted_text(plan.frames.size(), "frame", "frames");
   std::cout << "\n";
   if (holds_only_these) {
     std::string list;

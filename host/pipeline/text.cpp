@@ -31,6 +31,10 @@ std::string count_text(std::uint64_t value) {
   return digits;
 }
 
+std::string counted_text(std::uint64_t value, const std::string& one, const std::string& many) {
+  return count_text(value) + " " + (value == 1 ? one : many);
+}
+
 std::string bytes_text(std::uint64_t bytes) {
   if (bytes < 1024) return std::to_string(bytes) + " bytes";
   constexpr std::array<const char*, 5> names{"KiB", "MiB", "GiB", "TiB", "PiB"};

@@ -105,6 +105,9 @@ TEST(Text, NumbersAsPeopleReadThem) {
   EXPECT_EQ(cli::count_text(0), "0");
   EXPECT_EQ(cli::count_text(999), "999");
   EXPECT_EQ(cli::count_text(1234567), "1,234,567");
+  EXPECT_EQ(cli::counted_text(1, "vertex", "vertices"), "1 vertex");
+  EXPECT_EQ(cli::counted_text(0, "vertex", "vertices"), "0 vertices");
+  EXPECT_EQ(cli::counted_text(1234, "vertex", "vertices"), "1,234 vertices");
   EXPECT_EQ(cli::bytes_text(1023), "1023 bytes");
   EXPECT_EQ(cli::bytes_text(1536), "1.5 KiB");
   EXPECT_EQ(cli::bytes_text(std::uint64_t{80} << 30), "80 GiB");
