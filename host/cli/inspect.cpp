@@ -9,6 +9,7 @@
 #include "host/cli/model_vtu.h"
 #include "host/cli/open_ends.h"
 #include "host/cli/part_names.h"
+#include "host/cli/rigid_rows.h"
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/rig/pose.h"
@@ -329,14 +330,10 @@ void print_joints(const build::Report& report) {
 void print_rigid_parts(const build::Report& report) {
   if (report.rigid_parts.empty()) return;
   constexpr std::size_t most_shown = 20;
-  std::vector<std::pair<std::string, std::string>> rows;
-  for (const build::RigidReport& part : report.rigid_parts)
-    if (rows.size() < most_shown)
-      rows.emplace_back(part.name, "follows " + part.joint + ", " + count_text(part.vertices) +
-                                       " vertices; " + part.reason);
-  std::cout << "rigid parts\n" << columns_text(rows);
-  if (report.rigid_parts.size() > rows.size())
-    std::cout << "  and " << count_text(report.rigid_parts.size() - rows.size()) << " more\n";
+  const RigidRows shown = rigid_rows(report.rigid_parts, most_shown);
+  std::cout << "rigid parts\n" << columns_text(shown.rows);
+  if (shown.left_out > 0)
+    std::cout << "  and " << counted_text(shown.left_out, "more part", "more parts") << "\n";
 }
 
 void print_fibres(const build::FibreReport& fibres) {
