@@ -96,18 +96,41 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
                            number_text(estimate.seconds_substep * 1e3, 3) + " ms per substep, measured)"}});
 }
 
+// "out/arm-worst.png" beside the bake "out/arm".
+std::string beside(const std::string& folder, const std::string& ending) {
+  fs::path path = (fs::path(folder) / "").lexically_normal().parent_path();
+  const std::string name = path.filename().string();
+  if (name.empty() || name == "." || name == "..") path = fs::path(folder) / "bake";
+  return shell_word(path.string() + ending);
+}
+
+// Prints commands that show the kept frames.
+void print_how_to_draw(const BakeArguments& arguments, bool has_skeleton) {
+  const std::string& folder = arguments.folder;
+  const std::string bake = shell_word(folder);
+  std::cout << "  the studio: fascicle studio " << bake << "  (to change it while it moves: fascicle studio "
+            << shell_word(arguments.scene.name) << ")\n";
+  if (has_skeleton)
+    std::cout << "  the worst frames beside skinning: fascicle render " << bake << " --compare -o "
+              << beside(folder, "-worst.png") << "\n";
+  else
+    std::cout << "  pictures: fascicle render " << bake << " --sheet 4x2 -o " << beside(folder, "-sheet.png")
+              << "\n";
+  std::cout << "  a page of pictures and curves: fascicle report " << bake << " -o "
+            << beside(folder, "-report.html") << "\n"
+            << "  a page that plays it: fascicle view " << bake << " -o " << beside(folder, ".html") << "\n";
+}
+
 // Prints how to view each kind of file that was written.
-void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::path>& files) {
+void print_how_to_look(const BakeArguments& arguments, const model::Model& model,
+                       const std::vector<fs::path>& files) {
   const auto with_extension = [&files](const std::string& extension) -> const fs::path* {
     for (const fs::path& file : files)
       if (file.extension() == extension) return &file;
     return nullptr;
   };
   std::cout << "to look at it\n";
-  if (arguments.output.keep_frames)
-    std::cout << "  the studio: fascicle studio " << shell_word(arguments.folder)
-              << "  (to change it while it moves: fascicle studio " << shell_word(arguments.scene.name)
-              << ")\n";
+  if (arguments.output.keep_frames) print_how_to_draw(arguments, model.has_skeleton());
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
       std::cout << "  ParaView: paraview " << shell_word(series.string()) << "  (Apply, then Play)\n";
@@ -157,7 +180,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_motion(arguments, model, result);
   std::cout << "wrote\n";
   for (const fs::path& file : result.files) std::cout << "  " << file.string() << "\n";
-  print_how_to_look(arguments, result.files);
+  print_how_to_look(arguments, model, result.files);
 }
 
 // "auto" if it could choose a GPU: each bake then tests the GPU, and falls back to the CPU if it must.
