@@ -26,7 +26,8 @@ double flatness(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& t
 
 // Warns of soft vertices whose tetrahedra are all flatter than 1:20, as in meshes that get finer towards one
 // end. There rounding moves flesh by 0.001 of the body's length and more. A sliver among good tetrahedra is
-// harmless. `source_vertex` has the numbers for the message.
+// harmless. Up to 0.1 % of the soft vertices are not worth a warning unless some are flatter than 1:30.
+// `source_vertex` has the numbers for the message.
 void warn_of_flat_tetrahedra(const mesh::TetMesh& mesh, const std::vector<char>& is_kinematic,
                              const std::vector<std::uint32_t>& source_vertex, Report& report);
 

@@ -85,10 +85,11 @@ std::vector<float> drawn_points(DrawnFrames& frames, const render::BodyDrawing& 
   return drawing.draws_tetrahedra() ? frames.positions(k) : frames.surface(k);
 }
 
-// That point in a frame. With --compare, both sides share one camera, which must not depend on the flesh.
-Eigen::Vector3d followed(DrawnFrames& frames, const render::BodyDrawing& drawing,
-                         const RenderArguments& arguments, std::uint64_t k) {
-  return center_of(arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k));
+// The body in a frame; with --compare by skinning, because both sides share one camera, which must not depend
+// on the flesh.
+std::vector<float> framed_points(DrawnFrames& frames, const render::BodyDrawing& drawing,
+                                 const RenderArguments& arguments, std::uint64_t k) {
+  return arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k);
 }
 
 // The points that must be in view.
@@ -96,47 +97,92 @@ class Survey {
  public:
   Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const RenderArguments& arguments,
          std::span<const std::uint64_t> shown)
-      : frames_(frames), drawing_(drawing), arguments_(arguments), shown_(shown.begin(), shown.end()) {
-    if (shown_.empty()) shown_ = survey_frames(frames.count());
-    if (!arguments.compare) return;
-    for (const std::uint64_t k : shown_) {
-      const std::vector<float> skinned = frames_.skinned_surface(k);
-      each(skinned, center(k), [&](const Eigen::Vector3d& p) { box_.extend(p); });
+      : frames_(frames), drawing_(drawing), arguments_(arguments) {
+    std::vector<std::uint64_t> numbers(shown.begin(), shown.end());
+    if (numbers.empty()) numbers = survey_frames(frames.count());
+    // The boxes are needed to clamp flesh and to choose the camera.
+    const bool needs_boxes = arguments.compare || (!arguments.follow && numbers.size() > 1);
+    for (const std::uint64_t k : numbers) {
+      Shown one{.frame = k, .middle = Eigen::Vector3d::Zero(), .box = {}};
+      if (needs_boxes || arguments.follow.value_or(false)) {
+        const std::vector<float> points = framed_points(frames, drawing, arguments, k);
+        one.middle = center_of(points);
+        each(points, Eigen::Vector3d::Zero(), [&](const Eigen::Vector3d& p) { one.box.extend(p); });
+      }
+      shown_.push_back(one);
+    }
+  }
+
+  // The camera follows the body or not. Call it before `visit`.
+  void follow(bool follows) {
+    follows_ = follows;
+    if (!arguments_.compare) return;
+    for (const Shown& one : shown_) {
+      const Eigen::Vector3d from = way(one);
+      box_.extend(Eigen::Vector3d(one.box.min() - from)).extend(Eigen::Vector3d(one.box.max() - from));
     }
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(0.25 * box_.diagonal().norm());
     box_ = Eigen::AlignedBox3d(Eigen::Vector3d(box_.min() - margin), Eigen::Vector3d(box_.max() + margin));
+  }
+
+  // How many times as large a camera that follows the body would show it, in the frame where it gains most.
+  double gain_of_following(const render::View& view) const {
+    if (shown_.size() < 2) return 1.0;
+    const std::vector<double> still = sizes(view, false), followed = sizes(view, true);
+    double gain = 1.0;
+    for (std::size_t k = 0; k < shown_.size(); ++k) gain = std::max(gain, followed[k] / still[k]);
+    return gain;
   }
 
   // Visits the flesh. With --compare, also visits the skinned surface, and clamps flesh to a quarter of the
   // body beyond that, so that one stray vertex does not shrink everything else to a dot.
   template <class Visit>
   void visit(Visit visit) const {
-    for (const std::uint64_t k : shown_) {
-      const Eigen::Vector3d from = center(k);
-      const std::vector<float> points = drawn_points(frames_, drawing_, k);
+    for (const Shown& one : shown_) {
+      const Eigen::Vector3d from = way(one);
+      const std::vector<float> points = drawn_points(frames_, drawing_, one.frame);
       each(points, from, [&](const Eigen::Vector3d& p) {
         visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p);
       });
       if (!arguments_.compare) continue;
-      const std::vector<float> skinned = frames_.skinned_surface(k);
+      const std::vector<float> skinned = frames_.skinned_surface(one.frame);
       each(skinned, from, visit);
     }
   }
 
  private:
-  Eigen::Vector3d center(std::uint64_t k) const {
-    return arguments_.follow ? followed(frames_, drawing_, arguments_, k)
-                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  struct Shown {
+    std::uint64_t frame = 0;
+    Eigen::Vector3d middle;   // as center_of
+    Eigen::AlignedBox3d box;  // of framed_points
+  };
+
+  Eigen::Vector3d way(const Shown& one) const {
+    return follows_ ? one.middle : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
+
   template <class Visit>
   static void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) {
     for (std::size_t i = 0; i < positions.size() / 3; ++i) visit(Eigen::Vector3d(point(positions, i) - from));
   }
 
+  // Visits the corners of the frame's box as the camera sees them.
+  template <class Visit>
+  static void each_corner(const Shown& one, bool follows, Visit visit) {
+    for (int c = 0; c < 8; ++c) {
+      const Eigen::Vector3d p = one.box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c));
+      visit(follows ? Eigen::Vector3d(p - one.middle) : p);
+    }
+  }
+
+  // Of each frame's box: the longer side in a picture that fits all, as a share of the picture's height.
+  std::vector<double> sizes(const render::View& view, bool follows) const;
+
   DrawnFrames& frames_;
   const render::BodyDrawing& drawing_;
   const RenderArguments& arguments_;
-  std::vector<std::uint64_t> shown_;
+  std::vector<Shown> shown_;
+  bool follows_ = false;
   Eigen::AlignedBox3d box_;
 };
 
@@ -163,6 +209,31 @@ Extent extent_of(const Survey& survey, const render::View& view) {
 Size natural_size(double aspect, unsigned height) {
   const double width = std::clamp(aspect, 0.6, 1.78) * height;
   return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
+}
+
+std::vector<double> Survey::sizes(const render::View& view, bool follows) const {
+  constexpr unsigned height = 1000;
+  const Eigen::Matrix3d axes = render::camera_axes(view);
+  Eigen::AlignedBox3d all;
+  for (const Shown& one : shown_)
+    each_corner(one, follows, [&](const Eigen::Vector3d& p) { all.extend(Eigen::Vector3d(axes * p)); });
+  Size size;
+  if (arguments_.size.empty())
+    size = natural_size(all.sizes().y() > 0.0 ? all.sizes().x() / all.sizes().y() : 1.0, height);
+  else
+    size = size_of(arguments_.size, "--size", 8192);
+  render::CameraFit fit(view, size.width, size.height);
+  for (const Shown& one : shown_)
+    each_corner(one, follows, [&](const Eigen::Vector3d& p) { fit.include(p); });
+  const render::Camera camera = fit.camera();
+  std::vector<double> shares;
+  for (const Shown& one : shown_) {
+    Eigen::AlignedBox2d seen;
+    each_corner(one, follows,
+                [&](const Eigen::Vector3d& p) { seen.extend(Eigen::Vector2d(camera.project(p).head<2>())); });
+    shares.push_back(seen.sizes().maxCoeff() / size.height);
+  }
+  return shares;
 }
 
 // A level plane is drawn as the ground.
@@ -252,7 +323,13 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
     throw UsageError(error.what());
   }
   legend_ = drawing_->legend();
-  const Survey survey(frames, *drawing_, arguments, shown);
+  Survey survey(frames, *drawing_, arguments, shown);
+  // Pictures of a body at less than a fifth of what they could show are of the ground, not of the flesh: a
+  // fifth of a sheet's cell is 77 pixels.
+  constexpr double least_gain = 5.0;
+  follows_by_itself_ = !arguments.follow && survey.gain_of_following(view) > least_gain;
+  follows_ = arguments.follow.value_or(follows_by_itself_);
+  survey.follow(follows_);
   const Extent extent = extent_of(survey, view);
   const Size size =
       arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
@@ -273,8 +350,8 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
 
 // How far the camera has moved with the body.
 Eigen::Vector3d Artist::way_at(std::uint64_t k) const {
-  return arguments_.follow ? followed(frames_, *drawing_, arguments_, k)
-                           : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  if (!follows_) return Eigen::Vector3d::Zero();
+  return center_of(framed_points(frames_, *drawing_, arguments_, k));
 }
 
 std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vector3d& way,

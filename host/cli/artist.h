@@ -35,6 +35,9 @@ class Artist {
 
   const render::BodyDrawing& drawing() const { return *drawing_; }
   const render::Legend& legend() const { return legend_; }
+  // Whether the camera follows the body although nobody asked for it: the whole path would show it at less
+  // than a fifth of the size.
+  bool follows_by_itself() const { return follows_by_itself_; }
   // Empty if the scene's solids are drawn.
   const std::string& why_no_solids() const { return why_no_solids_; }
 
@@ -60,6 +63,7 @@ class Artist {
   std::optional<render::BodyDrawing> drawing_;
   render::Legend legend_;
   render::Camera camera_;
+  bool follows_ = false, follows_by_itself_ = false;
   // Centre of the view's content before the camera follows the body, and its reach.
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();
   double reach_ = 0.0;

@@ -53,7 +53,8 @@ std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& sc
   if (!wants(arguments, "glb")) return "";
   const std::uint64_t targets = formats::glb_target_count(scene::frame_count(scene), arguments.output.glb);
   return "at most " + bytes_text(formats::format_named("glb").bytes(model, targets)) + ", " +
-         count_text(targets) + " morph targets of " + count_text(model.surface_count()) + " vertices";
+         counted_text(targets, "morph target", "morph targets") + " of " +
+         counted_text(model.surface_count(), "vertex", "vertices");
 }
 
 std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected,
@@ -74,39 +75,62 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
   const model::Model& model = prepared.built.model;
   const Estimate estimate = estimate_of(prepared, arguments.output);
   const std::string glb = glb_size_text(arguments, scene, model);
-  std::cout << "dry run of " << shown_text(scene.name) << ": nothing is written\n"
-            << columns_text(
-                   {{"folder", arguments.folder},
-                    {"vertices", count_text(model.vertex_count)},
-                    {"tetrahedra", count_text(model.tetrahedron_count())},
-                    {"render vertices", count_text(model.surface_count())},
-                    {"frames", count_text(estimate.frames) + " at " + number_text(scene.fps) + " a second, " +
-                                   std::to_string(prepared.built.steps.substeps) + " substeps each" +
-                                   (estimate.preroll_frames > 0
-                                        ? ", after " + count_text(estimate.preroll_frames) + " of preroll"
-                                        : "")},
-                    {"device", prepared.simulation.device.text()},
-                    {"solver memory", bytes_text(estimate.solver_bytes)},
-                    {"output", bytes_text(estimate.output_bytes)},
-                    {"surface.glb", glb.empty() ? "not asked for" : glb},
-                    {"expected look", expected_look_text(scene, prepared.expected, prepared.tried)},
-                    {"time", "about " + duration_text(estimate.seconds) + ", writing in parallel (" +
-                                 number_text(estimate.seconds_substep * 1e3, 3) +
-                                 " ms per substep, measured)"}});
+  std::cout
+      << "dry run of " << shown_text(scene.name) << ": nothing is written\n"
+      << columns_text(
+             {{"folder", arguments.folder},
+              {"vertices", count_text(model.vertex_count)},
+              {"tetrahedra", count_text(model.tetrahedron_count())},
+              {"render vertices", count_text(model.surface_count())},
+              {"frames", count_text(estimate.frames) + " at " + number_text(scene.fps) + " a second, " +
+                             counted_text(prepared.built.steps.substeps, "substep", "substeps") + " each" +
+                             (estimate.preroll_frames > 0
+                                  ? ", after " + count_text(estimate.preroll_frames) + " of preroll"
+                                  : "")},
+              {"device", prepared.simulation.device.text()},
+              {"solver memory", bytes_text(estimate.solver_bytes)},
+              {"output", bytes_text(estimate.output_bytes)},
+              {"surface.glb", glb.empty() ? "not asked for" : glb},
+              {"expected look", expected_look_text(scene, prepared.expected, prepared.tried)},
+              {"time", "about " + duration_text(estimate.seconds) + ", writing in parallel (" +
+                           number_text(estimate.seconds_substep * 1e3, 3) + " ms per substep, measured)"}});
+}
+
+// "out/arm-worst.png" beside the bake "out/arm".
+std::string beside(const std::string& folder, const std::string& ending) {
+  fs::path path = (fs::path(folder) / "").lexically_normal().parent_path();
+  const std::string name = path.filename().string();
+  if (name.empty() || name == "." || name == "..") path = fs::path(folder) / "bake";
+  return shell_word(path.string() + ending);
+}
+
+// Prints commands that show the kept frames.
+void print_how_to_draw(const BakeArguments& arguments, bool has_skeleton) {
+  const std::string& folder = arguments.folder;
+  const std::string bake = shell_word(folder);
+  std::cout << "  the studio: fascicle studio " << bake << "  (to change it while it moves: fascicle studio "
+            << shell_word(arguments.scene.name) << ")\n";
+  if (has_skeleton)
+    std::cout << "  the worst frames beside skinning: fascicle render " << bake << " --compare -o "
+              << beside(folder, "-worst.png") << "\n";
+  else
+    std::cout << "  pictures: fascicle render " << bake << " --sheet 4x2 -o " << beside(folder, "-sheet.png")
+              << "\n";
+  std::cout << "  a page of pictures and curves: fascicle report " << bake << " -o "
+            << beside(folder, "-report.html") << "\n"
+            << "  a page that plays it: fascicle view " << bake << " -o " << beside(folder, ".html") << "\n";
 }
 
 // Prints how to view each kind of file that was written.
-void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::path>& files) {
+void print_how_to_look(const BakeArguments& arguments, const model::Model& model,
+                       const std::vector<fs::path>& files) {
   const auto with_extension = [&files](const std::string& extension) -> const fs::path* {
     for (const fs::path& file : files)
       if (file.extension() == extension) return &file;
     return nullptr;
   };
   std::cout << "to look at it\n";
-  if (arguments.output.keep_frames)
-    std::cout << "  the studio: fascicle studio " << shell_word(arguments.folder)
-              << "  (to change it while it moves: fascicle studio " << shell_word(arguments.scene.name)
-              << ")\n";
+  if (arguments.output.keep_frames) print_how_to_draw(arguments, model.has_skeleton());
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
       std::cout << "  ParaView: paraview " << shell_word(series.string()) << "  (Apply, then Play)\n";
@@ -130,16 +154,16 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
 void print_motion(const BakeArguments& arguments, const model::Model& model, const bake::BakeResult& result) {
   const drive::LeadInSummary& led = result.lead_in;
   if (led.settled_speed)
-    std::cout << "settled for " << led.settle_frames << " frames, to "
+    std::cout << "settled for " << counted_text(led.settle_frames, "frame", "frames") << ", to "
               << number_text(*led.settled_speed * 1e3, 3) << " mm/s\n";
   if (result.loop_jump)
-    std::cout << "loop: " << led.cycles << " cycles before it; its end is at most "
+    std::cout << "loop: " << counted_text(led.cycles, "cycle", "cycles") << " before it; its end is at most "
               << number_text(*result.loop_jump * 1e3, 3) << " mm from its beginning\n";
   if (result.look && result.look->worst > 0.0)
     std::cout << "look " << number_text(result.look->worst, 3) << " (1 is the limit): worst in frame "
               << result.look->frame << " at joint \"" << shown_text(result.look->joint) << "\", "
-              << result.look->cause << "; " << result.look->frames_over
-              << (result.look->frames_over == 1 ? " frame" : " frames") << " over\n";
+              << result.look->cause << "; " << counted_text(result.look->frames_over, "frame", "frames")
+              << " over\n";
   for (const bake::PeakLag& peak : bake::peak_lags(arguments.folder, model))
     std::cout << "peak lag of " << peak.layer << ": " << number_text(peak.lag * 1e3, 3) << " mm in frame "
               << peak.frame << "\n";
@@ -147,7 +171,8 @@ void print_motion(const BakeArguments& arguments, const model::Model& model, con
 
 void print_result(const BakeArguments& arguments, const scene::Scene& scene, const model::Model& model,
                   const bake::DeviceDescription& device, const bake::BakeResult& result) {
-  std::cout << "baked " << shown_text(scene.name) << ": " << count_text(result.frames_done) << " frames in "
+  std::cout << "baked " << shown_text(scene.name) << ": "
+            << counted_text(result.frames_done, "frame", "frames") << " in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
             << ", writing in parallel " << duration_text(result.seconds_writing) << ")\n"
             << "device: " << device.solver << ", " << device.name << "\n"
@@ -155,7 +180,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_motion(arguments, model, result);
   std::cout << "wrote\n";
   for (const fs::path& file : result.files) std::cout << "  " << file.string() << "\n";
-  print_how_to_look(arguments, result.files);
+  print_how_to_look(arguments, model, result.files);
 }
 
 // "auto" if it could choose a GPU: each bake then tests the GPU, and falls back to the CPU if it must.

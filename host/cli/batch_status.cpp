@@ -74,8 +74,8 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
     row.status = word_of_status(*row.exit_status);
     state.text = row.status;
     if (row.status == "done" && manifest)
-      state.text += ", " + std::to_string(manifest->frames) + " frames in " + duration_text(row.seconds) +
-                    ", last frame " + row.hash;
+      state.text += ", " + counted_text(manifest->frames, "frame", "frames") + " in " +
+                    duration_text(row.seconds) + ", last frame " + row.hash;
     if (row.status == "interrupted" && manifest) state.text += at;
     if (row.status == "failed")
       state.text += ": " + (row.error.empty() ? "status " + std::to_string(*row.exit_status) : row.error);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/bake.h"
+#include "host/base/display_width.h"
 #include "host/base/file.h"
 #include "host/base/json_text.h"
 #include "host/cli/exit_codes.h"
@@ -55,7 +56,7 @@ std::string or_nothing(const std::optional<double>& value, int digits) {
 }
 
 std::string padded(std::string text, std::size_t width) {
-  text.resize(std::max(width, text.size()), ' ');
+  text.append(width - std::min(width, base::display_width(text)), ' ');
   return text;
 }
 

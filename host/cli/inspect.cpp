@@ -9,6 +9,7 @@
 #include "host/cli/model_vtu.h"
 #include "host/cli/open_ends.h"
 #include "host/cli/part_names.h"
+#include "host/cli/rigid_rows.h"
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/rig/pose.h"
@@ -245,9 +246,9 @@ Json json_of(const scene::Scene& scene, const Built& built) {
 
 // "8 substeps each, of 4 iterations, which leave 2.9 % of a substep's change in the stiffest layer undone"
 std::string steps_text(const model::Model& model, const build::Steps& steps) {
-  std::string text = std::to_string(steps.substeps) + " substeps each";
+  std::string text = counted_text(steps.substeps, "substep", "substeps") + " each";
   if (!model.is_implicit()) return text;
-  text += ", of " + std::to_string(steps.iterations) + " iterations, which leave " +
+  text += ", of " + counted_text(steps.iterations, "iteration, which leaves ", "iterations, which leave ") +
           number_text(100.0 * steps.error.residual, 2) +
           " % of a substep's change in the stiffest layer undone";
   if (steps.error.slower > 0.0 && !model.has_skeleton())
@@ -295,8 +296,8 @@ void print_characters(const scene::Scene& scene) {
                           place_text(one.settings.at) + " m" +
                           (one.settings.joint.empty() ? "" : " from " + one.settings.joint) + ", turned by " +
                           place_text(one.settings.turn) + " degrees, " +
-                          count_text(one.own.surface.vertices.size()) + " vertices, " +
-                          count_text(one.own.skeleton.size()) + " joints" +
+                          counted_text(one.own.surface.vertices.size(), "vertex", "vertices") + ", " +
+                          counted_text(one.own.skeleton.size(), "joint", "joints") +
                           (one.settings.rigid ? "; all of its flesh follows the skeleton" : ""));
   if (!rows.empty()) std::cout << "characters\n" << columns_text(rows);
 }
@@ -315,24 +316,24 @@ void print_joints(const build::Report& report) {
   }
   if (rows.empty()) return;
   std::cout << "skeleton\n" << columns_text(rows);
-  if (left_out > 0) std::cout << "  and " << count_text(left_out) << " joints that move less than 0.1 %\n";
-  if (report.bone_islands > 0)
-    std::cout << "  bone layer: " << report.bone_islands << " connected part(s), "
-              << report.bone_islands_before << " before " << count_text(report.bone_vertices_added)
-              << " vertices were added\n";
+  if (left_out > 0)
+    std::cout << "  and " << counted_text(left_out, "joint that moves", "joints that move")
+              << " less than 0.1 %\n";
+  if (report.bone_islands == 0) return;
+  std::cout << "  bone layer: " << counted_text(report.bone_islands, "connected part", "connected parts");
+  if (report.bone_vertices_added > 0)
+    std::cout << ", " << count_text(report.bone_islands_before) << " before "
+              << counted_text(report.bone_vertices_added, "vertex was", "vertices were") << " added";
+  std::cout << "\n";
 }
 
 void print_rigid_parts(const build::Report& report) {
   if (report.rigid_parts.empty()) return;
   constexpr std::size_t most_shown = 20;
-  std::vector<std::pair<std::string, std::string>> rows;
-  for (const build::RigidReport& part : report.rigid_parts)
-    if (rows.size() < most_shown)
-      rows.emplace_back(part.name, "follows " + part.joint + ", " + count_text(part.vertices) +
-                                       " vertices; " + part.reason);
-  std::cout << "rigid parts\n" << columns_text(rows);
-  if (report.rigid_parts.size() > rows.size())
-    std::cout << "  and " << count_text(report.rigid_parts.size() - rows.size()) << " more\n";
+  const RigidRows shown = rigid_rows(report.rigid_parts, most_shown);
+  std::cout << "rigid parts\n" << columns_text(shown.rows);
+  if (shown.left_out > 0)
+    std::cout << "  and " << counted_text(shown.left_out, "more part", "more parts") << "\n";
 }
 
 void print_fibres(const build::FibreReport& fibres) {
@@ -342,12 +343,12 @@ void print_fibres(const build::FibreReport& fibres) {
   };
   std::cout << "fibres\n"
             << columns_text({{"given directions", count_text(fibres.constraints)},
-                             {"solved in", std::to_string(fibres.rounds) + " rounds of " +
-                                               count_text(fibres.iterations) + " iterations in all, " +
-                                               number_text(fibres.seconds, 2) + " s"},
+                             {"solved in", counted_text(fibres.rounds, "round", "rounds") + " of " +
+                                               counted_text(fibres.iterations, "iteration", "iterations") +
+                                               " in all, " + number_text(fibres.seconds, 2) + " s"},
                              {"signs differ along", percent(fibres.flipped_edges)},
                              {"lines turn over 60 degrees along", percent(fibres.bent_edges)},
-                             {"without a direction", count_text(fibres.without) + " vertices"}});
+                             {"without a direction", counted_text(fibres.without, "vertex", "vertices")}});
 }
 
 std::string spread_text(const build::Spread& spread) {
@@ -362,7 +363,8 @@ void print_skin(const build::Report& report) {
       {"filled as", (cage.is_cage ? "a cage: " : "it is: ") + cage.reason}};
   const auto add = [&rows](const char* what, const build::Finding& finding, std::uint64_t usual = 0) {
     if (finding.count == usual) return;
-    std::string text = count_text(finding.count) + ", at vertices";
+    std::string text =
+        count_text(finding.count) + (finding.vertices.size() == 1 ? ", at vertex" : ", at vertices");
     for (const std::uint32_t v : finding.vertices) text += " " + std::to_string(v);
     rows.emplace_back(what, text);
   };
@@ -385,7 +387,8 @@ void print_skin(const build::Report& report) {
   for (auto& row : rows_of(open_ends_of(report))) rows.push_back(std::move(row));
   if (cage.is_cage) {
     rows.emplace_back("gaps closed", "below about " + millimetres(2.0 * cage.alpha));
-    rows.emplace_back("cut apart", count_text(cage.cut_tetrahedra) + " tetrahedra between limbs that touch");
+    rows.emplace_back("cut apart", counted_text(cage.cut_tetrahedra, "tetrahedron", "tetrahedra") +
+                                       " between limbs that touch");
   }
   std::cout << "skin (vertices are the file's)\n" << columns_text(rows);
 }
@@ -399,8 +402,8 @@ void print_text(const scene::Scene& scene, const Built& built) {
                     {"vertices",
                      count_text(report.vertices) + ", " + count_text(report.pinned_vertices) + " pinned"},
                     {"tetrahedra", count_text(report.tetrahedra)},
-                    {"surface", count_text(report.surface_vertices) + " vertices, " +
-                                    count_text(report.surface_triangles) + " triangles"},
+                    {"surface", counted_text(report.surface_vertices, "vertex", "vertices") + ", " +
+                                    counted_text(report.surface_triangles, "triangle", "triangles")},
                     {"joints", count_text(model.joint_count)},
                     {"one-rings", count_text(model.ring.size()) + " entries, " +
                                       std::to_string(longest_ring(model)) + " at most in one"},
@@ -410,8 +413,8 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                   millimetres(report.shortest_edge) + " to " +
                                   millimetres(report.longest_edge)},
                     {"working unit", number_text(model.unit) + " m"},
-                    {"time", count_text(scene::frame_count(scene)) + " frames at " + number_text(scene.fps) +
-                                 " a second, " + steps_text(model, built.steps)},
+                    {"time", counted_text(scene::frame_count(scene), "frame", "frames") + " at " +
+                                 number_text(scene.fps) + " a second, " + steps_text(model, built.steps)},
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report);
@@ -421,7 +424,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
   std::vector<std::pair<std::string, std::string>> rows;
   std::cout << "layers\n";
   for (const build::LayerShare& layer : report.layers)
-    rows.emplace_back(layer.name, count_text(layer.vertices) + " vertices, " +
+    rows.emplace_back(layer.name, counted_text(layer.vertices, "vertex", "vertices") + ", " +
                                       number_text(100.0 * share_of(layer.volume, report.volume), 3) +
                                       " % of the volume, " + number_text(layer.mass) + " kg");
   std::cout << columns_text(rows);
@@ -431,14 +434,15 @@ void print_text(const scene::Scene& scene, const Built& built) {
 
   rows.clear();
   for (const MuscleCount& muscle : count_muscles(scene, model))
-    rows.emplace_back(muscle.name, count_text(muscle.regions) + " regions on the bone of " + muscle.bone +
-                                       ", " + millimetres(muscle.bone_length) + " long; " +
-                                       count_text(muscle.bulging) + " of them bulge");
+    rows.emplace_back(muscle.name, counted_text(muscle.regions, "region", "regions") + " on the bone of " +
+                                       muscle.bone + ", " + millimetres(muscle.bone_length) + " long; " +
+                                       count_text(muscle.bulging) + " of them " +
+                                       (muscle.bulging == 1 ? "bulges" : "bulge"));
   if (!rows.empty()) std::cout << "muscles\n" << columns_text(rows);
 
   rows.clear();
   for (const model::ProbeSet& probe : model.probes)
-    rows.emplace_back(probe.name, count_text(probe.vertices.size()) + " vertices");
+    rows.emplace_back(probe.name, counted_text(probe.vertices.size(), "vertex", "vertices"));
   if (!rows.empty()) std::cout << "probes\n" << columns_text(rows);
 
   rows.clear();

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "host/base/display_width.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
@@ -129,7 +130,7 @@ void Log::progress(const Advance& advance) {
 
 void Log::draw(const std::string& state) {
   const std::string text = shown_text(state);
-  const std::size_t length = text.size();
+  const std::size_t length = base::display_width(text);
   const std::size_t rest = bar_width_ > length ? bar_width_ - length : 0;
   put("\r" + text + std::string(rest, ' '));
   bar_width_ = length;

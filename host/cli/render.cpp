@@ -276,6 +276,9 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   const bool holds_only_these = plan.form == Plan::Form::sheet && worst_of(arguments);
   const Artist artist(arguments, frames, holds_only_these ? plan.frames : std::vector<std::uint64_t>(),
                       plan.form == Plan::Form::sheet ? 384 : 960, log);
+  if (artist.follows_by_itself())
+    log.info(
+        "the camera follows the body, which its path would make small; --no-follow shows the whole path");
   if (arguments.mode == render::Mode::fibres && !artist.drawing().shows_fibres())
     log.warning("no fibres to draw; try --clip, or a scene whose layers have fibres");
 
@@ -303,7 +306,7 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
                   ", which this run did not write; remove them if they are of an earlier run");
   std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
-    std::cout << ": " << count_text(plan.frames.size()) << " frames";
+    std::cout << ": " << counted_text(plan.frames.size(), "frame", "frames");
   std::cout << "\n";
   if (holds_only_these) {
     std::string list;
@@ -367,7 +370,11 @@ void add_render(CLI::App& app, Command& command) {
   subcommand->add_option("--zoom", arguments->zoom, "2 shows the middle half of the picture")
       ->check(number_from(0.1, 100.0))
       ->option_text("FACTOR");
-  subcommand->add_flag("--follow", arguments->follow, "The camera follows the body");
+  // CLI11 would take an optional for a count of flags and set it to 0.
+  subcommand->add_flag_function(
+      "--follow,!--no-follow", [arguments](std::int64_t count) { arguments->follow = count > 0; },
+      "The camera follows the body, or does not; default: it does if the whole path would show the body at "
+      "less than a fifth of the size");
   subcommand->add_option("--size", arguments->size, "Size in pixels; default: fits the motion")
       ->option_text("WxH");
   subcommand

@@ -19,7 +19,8 @@ struct RenderArguments {
   std::string clip, size, sheet, view = "three-quarter";
   double turn = 0.0, zoom = 1.0;
   std::optional<double> tilt, lag_scale;
-  bool follow = false, overwrite = false;
+  std::optional<bool> follow;  // nullopt: if the body would be too small otherwise
+  bool overwrite = false;
   unsigned threads = 0;
 };
 

@@ -192,7 +192,7 @@ ExitCode write_report(const ReportArguments& arguments, Log& log) {
   const std::string page = report_page(report, manifest);
   base::write_whole(fs::absolute(arguments.output), page);
   std::cout << "wrote " << arguments.output << ": " << bytes_text(page.size()) << ", "
-            << count_text(report.pictures.size()) << " frames\n";
+            << counted_text(report.pictures.size(), "frame", "frames") << "\n";
   return ExitCode::done;
 }
 

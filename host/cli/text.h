@@ -13,6 +13,7 @@ using pipeline::bits_text;
 using pipeline::bytes_text;
 using pipeline::columns_text;
 using pipeline::count_text;
+using pipeline::counted_text;
 using pipeline::duration_text;
 using pipeline::float_text;
 using pipeline::number_text;

@@ -140,9 +140,10 @@ void print_comparison(const Comparison& comparison, const model::Model& model) {
   }
   if (comparison.holds()) {
     std::cout << pair << "identical: " << count_text(comparison.values)
-              << " values of all stages compared by bits over " << count_text(comparison.hashes.frames)
-              << " frames; last position hash without probes "
-              << base::hash_text(comparison.hashes.last_hash_a) << " on both\n";
+              << " values of all stages compared by bits over "
+              << counted_text(comparison.hashes.frames, "frame", "frames")
+              << "; last position hash without probes " << base::hash_text(comparison.hashes.last_hash_a)
+              << " on both\n";
     return;
   }
   std::cout << pair << "DIFFERENT\n";
@@ -168,8 +169,8 @@ void print_text(const model::Model& model, const Validation& validation) {
   for (const OracleComparison& comparison : validation.oracle)
     std::cout << comparison.device
               << " and the oracle: " << (comparison.holds() ? "within the bound" : "BEYOND THE BOUND")
-              << " over " << count_text(validation.oracle_frames)
-              << " frames: " << distance_text(comparison.distance, comparison.relative) << "\n";
+              << " over " << counted_text(validation.oracle_frames, "frame", "frames") << ": "
+              << distance_text(comparison.distance, comparison.relative) << "\n";
   if (!validation.oracle.empty())
     std::cout << "  (the bound: float rounding, 6e-8 of the body per substep, is amplified where a region's "
                  "rotation is ill\n"

@@ -69,9 +69,10 @@ ExitCode view(const ViewArguments& arguments, Log& log) {
               << "\n";
     return ExitCode::done;
   }
-  std::cout << "wrote " << arguments.output << ": " << count_text(result.frames) << " frames of "
-            << count_text(result.vertices) << " vertices in " << bytes_text(result.html.size())
-            << "; no vertex is further than " << error_text(result.error) << " from the bake\n";
+  std::cout << "wrote " << arguments.output << ": " << counted_text(result.frames, "frame", "frames")
+            << " of " << counted_text(result.vertices, "vertex", "vertices") << " in "
+            << bytes_text(result.html.size()) << "; no vertex is further than " << error_text(result.error)
+            << " from the bake\n";
   return ExitCode::done;
 }
 

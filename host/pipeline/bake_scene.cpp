@@ -54,7 +54,7 @@ std::string warning_of_held_frames(const scene::Scene& scene, const rig::Clip& c
   const double before = std::min(keys->first, end) - start, after = end - std::max(keys->second, start);
   const auto held = [&](const char* pose, double seconds) {
     return std::string("its ") + pose + " pose is held for " +
-           count_text(static_cast<std::uint64_t>(std::lround(seconds * scene.fps))) + " frames";
+           counted_text(static_cast<std::uint64_t>(std::lround(seconds * scene.fps)), "frame", "frames");
   };
   std::string text;
   if (before > longest_unsaid)

@@ -59,8 +59,8 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
     say_detail(say, "the model came from " + options.cache.string());
   else if (built.report.body_from_cache)
     say_detail(say, "the filled body came from " + options.cache.string());
-  say_detail(say, "model: " + count_text(built.report.vertices) + " vertices, " +
-                      count_text(built.report.tetrahedra) + " tetrahedra, " +
+  say_detail(say, "model: " + counted_text(built.report.vertices, "vertex", "vertices") + ", " +
+                      counted_text(built.report.tetrahedra, "tetrahedron", "tetrahedra") + ", " +
                       (built.report.is_kept ? "found in " : "built in ") +
                       duration_text(built.report.seconds));
   say_detail(say, "substeps: " + std::to_string(built.steps.substeps) + " a frame; " + built.steps.reason);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/base/display_width.h"
 #include "host/base/text.h"
 
 namespace fascicle::pipeline {
@@ -28,6 +29,10 @@ std::string count_text(std::uint64_t value) {
   std::string digits = std::to_string(value);
   for (std::size_t place = digits.size(); place > 3; place -= 3) digits.insert(place - 3, ",");
   return digits;
+}
+
+std::string counted_text(std::uint64_t value, const std::string& one, const std::string& many) {
+  return count_text(value) + " " + (value == 1 ? one : many);
 }
 
 std::string bytes_text(std::uint64_t bytes) {
@@ -59,10 +64,10 @@ std::string float_text(float value) {
 std::string columns_text(std::vector<std::pair<std::string, std::string>> rows) {
   std::size_t width = 0;
   for (auto& [name, value] : rows) name = base::shown_text(name), value = base::shown_text(value);
-  for (const auto& [name, value] : rows) width = std::max(width, name.size());
+  for (const auto& [name, value] : rows) width = std::max(width, base::display_width(name));
   std::string text;
   for (const auto& [name, value] : rows)
-    text += "  " + name + std::string(width - name.size() + 2, ' ') + value + "\n";
+    text += "  " + name + std::string(width - base::display_width(name) + 2, ' ') + value + "\n";
   return text;
 }
 

@@ -11,6 +11,8 @@ namespace fascicle::pipeline {
 std::string number_text(double value, int digits = 4);
 // 1234567 -> "1,234,567"
 std::string count_text(std::uint64_t value);
+// counted_text(1, "vertex", "vertices") -> "1 vertex", of 1234 -> "1,234 vertices"
+std::string counted_text(std::uint64_t value, const std::string& one, const std::string& many);
 // Powers of 1024: "512 bytes", "3.4 MiB"
 std::string bytes_text(std::uint64_t bytes);
 // "0.35 s", "12 s", "3 min 20 s", "2 h 05 min"

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/display_width.h"
+
 namespace fascicle::tests {
 namespace {
 
@@ -52,6 +54,20 @@ TEST(ShownText, IsShownAsItIs) {
 
 TEST(ShownText, LinesStayLines) {
   EXPECT_EQ(shown_lines("a\tb\x1b\nc\n"), "a\tb\\x1b\nc\n");
+}
+
+TEST(DisplayWidth, IsWhatATerminalShows) {
+  using base::display_width;
+  EXPECT_EQ(display_width(""), 0u);
+  EXPECT_EQ(display_width("spine.x"), 7u);
+  EXPECT_EQ(display_width("h\u00fcfte.x"), 7u);
+  EXPECT_EQ(display_width("fu\u00df_L"), 5u);
+  // macOS takes letters apart: u and two dots above.
+  EXPECT_EQ(display_width("hu\u0308fte.x"), 7u);
+  EXPECT_EQ(display_width("\u5de6\u8155_L"), 6u);
+  EXPECT_EQ(display_width("\u304b\u3099"), 2u);
+  EXPECT_EQ(display_width("\ud55c\u5b57"), 4u);
+  EXPECT_EQ(display_width("\xff"), 1u);
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 // fascicle bake as a user runs it.
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +42,45 @@ TEST(Bake, ResultsGoToStdoutAndSayHowToLook) {
   EXPECT_EQ(manifest.at("status"), "complete");
   EXPECT_EQ(manifest.at("frames"), 6);  // 0.1 s at 60 fps
   EXPECT_EQ(manifest.at("position_hashes").size(), 7u);
+}
+
+// The commands of the section "to look at it", with the program's path.
+std::vector<std::string> commands_to_look(const std::string& out) {
+  std::vector<std::string> commands;
+  for (std::size_t at = out.find("to look at it"); (at = out.find(": fascicle ", at)) != std::string::npos;) {
+    at += 11;
+    const std::string line = out.substr(at, out.find('\n', at) - at);
+    commands.push_back("'" FASCICLE_PROGRAM "' " + line.substr(0, line.find("  (")));
+  }
+  return commands;
+}
+
+TEST(Bake, CommandsThatItNamesForPicturesWork) {
+  const TemporaryFolder folder;
+  // A name that a shell reads differently, and none at all.
+  for (const auto& [scene, output] : {std::pair{"jump", "a man's/"}, std::pair{"bar-hang-none", "."}}) {
+    const std::filesystem::path place = folder.path() / scene;
+    std::filesystem::create_directories(place);
+    const auto in_place = [&](const std::string& command) {
+      return std::system(("cd '" + place.string() + "' && " + command + " >'" + (folder / "out") + "' 2>'" +
+                          (folder / "err") + "'")
+                             .c_str());
+    };
+    ASSERT_EQ(in_place(std::string("'" FASCICLE_PROGRAM "' bake ") + scene + " -o \"" + output +
+                       "\" --end 0.05 --preroll 0s --device cpu"),
+              0)
+        << read_text(folder / "err");
+    std::set<std::string> shown;
+    for (const std::string& command : commands_to_look(read_text(folder / "out"))) {
+      // The studio runs until it is closed; exports are tested elsewhere.
+      if (contains(command, " studio ") || contains(command, " export ")) continue;
+      shown.insert(command.substr(command.find("' ") + 2, 4));
+      // A report takes seconds, and its command is made alike for both.
+      if (contains(command, " report ") && output != std::string(".")) continue;
+      EXPECT_EQ(in_place(command), 0) << command << "\n" << read_text(folder / "err");
+    }
+    EXPECT_EQ(shown, (std::set<std::string>{"rend", "repo", "view"})) << scene;
+  }
 }
 
 TEST(Bake, NamesBlenderWhereItsScriptLoadsWhatWasWritten) {

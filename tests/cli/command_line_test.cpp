@@ -249,6 +249,19 @@ TEST(CommandLine, InspectTellsWhatMusclesHaveBecome) {
   EXPECT_GT(muscles[0].at("regions"), muscles[0].at("bulging_regions"));
 }
 
+TEST(CommandLine, InspectCountsOneInTheSingular) {
+  const TemporaryFolder folder;
+  // A closed tetrahedron whose triangles all face inward.
+  write_text(folder / "inside_out.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
+  const std::string turned = fascicle({"inspect", folder / "inside_out.obj"}).out;
+  EXPECT_TRUE(contains(turned, "1, at vertex 0\n")) << turned;
+  const std::string arm = fascicle({"inspect", "arm"}).out;
+  EXPECT_TRUE(contains(arm, "bone layer: 1 connected part\n")) << arm;
+  EXPECT_TRUE(contains(arm, "1 round of ")) << arm;
+  EXPECT_FALSE(contains(arm, "(s)")) << arm;
+}
+
 TEST(CommandLine, InspectNamesThePartsOfACharacter) {
   const TemporaryFolder folder;
   ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);

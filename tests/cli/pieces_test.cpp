@@ -9,6 +9,7 @@
 #include "host/cli/compare_devices.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
+#include "host/cli/rigid_rows.h"
 #include "host/cli/text.h"
 #include "host/pipeline/device_choice.h"
 
@@ -105,6 +106,9 @@ TEST(Text, NumbersAsPeopleReadThem) {
   EXPECT_EQ(cli::count_text(0), "0");
   EXPECT_EQ(cli::count_text(999), "999");
   EXPECT_EQ(cli::count_text(1234567), "1,234,567");
+  EXPECT_EQ(cli::counted_text(1, "vertex", "vertices"), "1 vertex");
+  EXPECT_EQ(cli::counted_text(0, "vertex", "vertices"), "0 vertices");
+  EXPECT_EQ(cli::counted_text(1234, "vertex", "vertices"), "1,234 vertices");
   EXPECT_EQ(cli::bytes_text(1023), "1023 bytes");
   EXPECT_EQ(cli::bytes_text(1536), "1.5 KiB");
   EXPECT_EQ(cli::bytes_text(std::uint64_t{80} << 30), "80 GiB");
@@ -115,6 +119,28 @@ TEST(Text, NumbersAsPeopleReadThem) {
   EXPECT_EQ(cli::duration_text(std::nan("")), "unknown");
   EXPECT_EQ(cli::bits_text(1.0f), "0x3f800000");
   EXPECT_EQ(cli::float_text(0.1f), "0.100000001");
+}
+
+TEST(Text, ColumnsAlignAfterLettersOfSeveralBytes) {
+  EXPECT_EQ(cli::columns_text({{"h\u00fcfte.x", "a"}, {"spine.x", "b"}, {"\u8155.L", "c"}}),
+            "  h\u00fcfte.x  a\n  spine.x  b\n  \u8155.L     c\n");
+}
+
+// Hair is often made of many equal cards.
+TEST(RigidRows, EqualPartsShareALine) {
+  const build::RigidReport eye{"Eye", "Head", "requested", 360}, card{"Hair", "Head", "a separate part", 24},
+      bun{"Hair", "Head", "a separate part", 25}, dot{"Dot", "Hand", "requested", 1};
+  const cli::RigidRows all = cli::rigid_rows({eye, card, card, bun, card, dot}, 20);
+  using Rows = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(all.rows, (Rows{{"Eye", "follows Head, 360 vertices; requested"},
+                            {"Hair", "3 parts follow Head, each of 24 vertices; a separate part"},
+                            {"Hair", "follows Head, 25 vertices; a separate part"},
+                            {"Dot", "follows Hand, 1 vertex; requested"}}));
+  EXPECT_EQ(all.left_out, 0u);
+  // The rows that are left out count by their parts.
+  const cli::RigidRows first = cli::rigid_rows({eye, card, card, bun, card, dot}, 1);
+  EXPECT_EQ(first.rows, (Rows{all.rows[0]}));
+  EXPECT_EQ(first.left_out, 5u);
 }
 
 TEST(Log, AdvanceSaysShareRateAndTimeLeft) {

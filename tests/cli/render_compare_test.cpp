@@ -337,6 +337,62 @@ TEST_F(RenderCompare, BarStandsBesideItsRest) {
 
 // A bar of 0.3 m that moves freely beside one solid: the share of a picture that shows skin, and the
 // share of its second lowest row that shows the solid, a dark bluish grey.
+// A free bar of 0.3 m that is pulled sideways.
+class RenderOfATraveller : public testing::Test {
+ protected:
+  void bake(const std::string& seconds) {
+    write_text(folder_ / "scene.toml",
+               "[scene]\nfps = 24\ngravity = [9.81, 0.0, 0.0]\n[bar]\nsize = [0.3, 0.3, 0.3]\n"
+               "vertices = [3, 3, 3]\n[layers.flesh]\nyoungs_modulus = 50e3\ndamping = 3.0\n"
+               "density = 1000.0\n[solver]\nintegrator = \"implicit\"\nsubsteps = \"auto\"\n");
+    const Outcome baked = fascicle({"bake", folder_ / "scene.toml", "-o", folder_ / "bake", "--overwrite",
+                                    "--end", seconds, "--device", "cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+  }
+  // The PNG's bytes; what was said goes to `said_`.
+  std::string picture(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render",  folder_ / "bake", "-o", picture_,     "--size",
+                                       "160x160", "--frame",        "0",  "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    said_ = outcome.err;
+    return read_text(picture_);
+  }
+  // Share of the picture that the body covers.
+  double skin() const {
+    const Pixels pixels = pixels_of(picture_);
+    double count = 0.0;
+    for (std::size_t k = 0; k < pixels.rgb.size(); k += 3)
+      count += pixels.rgb[k] > pixels.rgb[k + 2] + 25 ? 1.0 : 0.0;
+    return count / (pixels.width * pixels.height);
+  }
+
+  TemporaryFolder folder_;
+  std::string picture_ = folder_ / "a.png", said_;
+};
+
+TEST_F(RenderOfATraveller, IsFollowedIfItWouldBeASpeck) {
+  bake("2");  // over 20 m
+  const std::string whole_path = picture({"--no-follow"});
+  EXPECT_LT(skin(), 0.01);
+  EXPECT_FALSE(contains(said_, "follow")) << said_;
+  const std::string chosen = picture({});
+  EXPECT_GT(skin(), 0.2);
+  EXPECT_TRUE(contains(said_, "--no-follow shows the whole path")) << said_;
+  EXPECT_FALSE(chosen == whole_path);
+  EXPECT_TRUE(picture({"--follow"}) == chosen);
+  EXPECT_FALSE(contains(said_, "follow")) << said_;
+}
+
+TEST_F(RenderOfATraveller, IsShownWithItsPathIfThatIsShort) {
+  bake("0.4");  // 0.8 m
+  const std::string chosen = picture({});
+  EXPECT_FALSE(contains(said_, "follow")) << said_;
+  EXPECT_TRUE(picture({"--no-follow"}) == chosen);
+  EXPECT_FALSE(picture({"--follow"}) == chosen);
+}
+
 struct Shown {
   double skin = 0.0, solid_below = 0.0;
 };
