@@ -164,7 +164,7 @@ def figure_10(n, assets):
 
 
 def table_2(timings):
-    kinds = {"6": "bar (gravity)", "7": "bar (beta)", "8": "bar (multi-layer)", "9": "character, jump", "10": "arm, biceps", "assets": "man, biceps curl, 20 iterations"}
+    kinds = {"6": "bar (gravity)", "7": "bar (beta)", "8": "bar (multi-layer)", "9": "character, jump", "10": "arm, biceps", "assets": "man, biceps curl (implicit)"}
     rows, devices = [], set()
     for key, kind in kinds.items():
         for t in list(timings.get(key, {}).values())[:1]:
