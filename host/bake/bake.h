@@ -78,11 +78,12 @@ struct BakeOptions : BakeOutput {
   std::uint64_t checkpoint_frames = std::numeric_limits<std::uint64_t>::max();
   double checkpoint_seconds = 0.5;
   DeviceDescription device;
-  std::vector<std::string> warnings;               // from the build, for the manifest
-  std::vector<OpenEndEntry> open_ends;             // in the skin, for the manifest
-  std::optional<ExpectedLook> expected_look;       // for the manifest
-  std::optional<TriedLook> tried_look;             // for the manifest
-  const LookBody* look_body = nullptr;             // look_body_of, if the caller has it
+  std::vector<std::string> warnings;          // from the build, for the manifest
+  std::vector<OpenEndEntry> open_ends;        // in the skin, for the manifest
+  std::optional<ExpectedLook> expected_look;  // for the manifest
+  std::optional<TriedLook> tried_look;        // for the manifest
+  const LookBody* look_body = nullptr;        // look_body_of, if the caller has it
+  bool is_undecided = false;  // a trial before the bake was cut short: it ends before it keeps anything
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame has been simulated; it and the one before it may not be written yet.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;

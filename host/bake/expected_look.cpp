@@ -283,28 +283,36 @@ std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried
                       tried.frames_over, tried.driven);
 }
 
-TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
-                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame,
-                   const std::function<bool(const TriedLook&)>& goes_on) {
+TriedFrames frames_to_try(const scene::Scene& scene, std::uint64_t frame) {
   const auto frames_of = [&](double seconds) {
     return static_cast<std::uint64_t>(std::ceil(seconds * scene.fps));
   };
-  const std::uint64_t settling = frames_of(tried_before / 2.0), last_frame = scene::cycle_frames(scene);
+  return {.first = frame > frames_of(tried_before) ? frame - frames_of(tried_before) : 0,
+          .last = std::min(frame + frames_of(tried_after), scene::cycle_frames(scene)),
+          .settling = frames_of(tried_before / 2.0)};
+}
+
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
+                   drive::DriveSource& drives, model::Solver& solver, const TriedFrames& frames,
+                   const std::function<bool(const TriedLook&)>& goes_on) {
   TriedLook tried;
-  tried.first = frame > frames_of(tried_before) ? frame - frames_of(tried_before) : 0;
-  tried.last = std::min(frame + frames_of(tried_after), last_frame);
+  tried.first = frames.first;
+  tried.last = frames.last;
   solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
   Look look(model, body, scene.fps);
   std::optional<model::OverlapMeter> overlap;
-  for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
-    if (goes_on && !goes_on(tried)) break;
+  for (std::uint64_t k = frames.first + 1; k <= frames.last; ++k) {
+    if (goes_on && !goes_on(tried)) {
+      tried.last = k - 1;
+      break;
+    }
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
     const model::Frame seen = solver.collect();
     // Divergence is reported by the bake itself.
     if (!std::all_of(seen.positions.begin(), seen.positions.end(), [](float x) { return std::isfinite(x); }))
       break;
     // Flesh that starts on the skeleton has to settle first.
-    if (tried.first > 0 && k <= tried.first + settling) {
+    if (frames.first > 0 && k <= frames.first + frames.settling) {
       look.remember(seen);
       continue;
     }

@@ -50,6 +50,13 @@ inline bool can_try_look(const scene::Scene& scene) {
   return scene.fps * tried_before >= 1.0;
 }
 
+struct TriedFrames {
+  std::uint64_t first = 0, last = 0;  // frames (first, last]
+  std::uint64_t settling = 0;  // the first so many of them are not judged, unless the clip begins there
+};
+// Those around frame `frame`.
+TriedFrames frames_to_try(const scene::Scene& scene, std::uint64_t frame);
+
 struct TriedLook {
   std::uint64_t first = 0, last = 0;  // frames (first, last] were baked
   LookScore worst;
@@ -63,9 +70,9 @@ struct TriedLook {
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried);
 
 // Leaves the solver in the initial state. Passes on the solver's exceptions. `goes_on`, if given, is called
-// before each frame; the trial ends when it returns false.
+// before each frame, when `last` is still the last of `frames`; the trial ends when it returns false.
 TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
-                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame,
+                   drive::DriveSource& drives, model::Solver& solver, const TriedFrames& frames,
                    const std::function<bool(const TriedLook&)>& goes_on = {});
 
 }  // namespace fascicle::bake

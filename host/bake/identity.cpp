@@ -81,6 +81,7 @@ constexpr const char* end_name = "end";
 constexpr const char* model_name = "model";
 // For keys in the scene's text; other names are for values derived from it.
 constexpr const char* key_prefix = "the key ";
+constexpr const char *self_contact_name = "contact of the body with itself", *self_contact_kept = "kept";
 constexpr const char* formats_name = "--format";
 // Only in checkpoints: formats whose files are missing or incomplete.
 constexpr const char* anew_name = "begun anew";
@@ -194,12 +195,21 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (const std::uint64_t first = number_of_first(scene, options); first != 0)
     identity.emplace_back("--first-frame", base::number_text(first));
+  if (scene.contact.unless_torn)
+    identity.emplace_back(self_contact_name, scene.contact.self ? self_contact_kept : "left out");
   identity.emplace_back("device", identity_of(options.device));
   return identity;
 }
 
 std::string identity_of(const DeviceDescription& device) {
   return device.exact ? "exact" : device.name + ", " + device.driver;
+}
+
+std::optional<bool> keeps_self_contact(const Identity& identity) {
+  const auto found = std::find_if(identity.begin(), identity.end(),
+                                  [](const auto& entry) { return entry.first == self_contact_name; });
+  if (found == identity.end()) return std::nullopt;
+  return found->second == self_contact_kept;
 }
 
 std::vector<Difference> differences(const Identity& before, const Identity& now) {

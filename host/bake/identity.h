@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,10 @@ std::string identity_of(const DeviceDescription& device);
 // Named values that determine every byte of the result files, in a fixed order.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 Identity identity_of(const scene::Scene& scene, std::uint64_t model_hash, const BakeOptions& options);
+
+// Whether a bake with this identity has contact of the body with itself, if contact.unless_torn left that to
+// it; else empty.
+std::optional<bool> keeps_self_contact(const Identity& identity);
 
 struct Difference {
   std::string name, was, is;  // empty: nothing; "absent" if the name is missing there

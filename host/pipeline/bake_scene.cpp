@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -9,10 +10,12 @@
 
 #include <unistd.h>
 
+#include "host/bake/checkpoint.h"
 #include "host/bake/expected_look.h"
 #include "host/bake/folder.h"
 #include "host/bake/identity.h"
 #include "host/bake/options.h"
+#include "host/bake/torn_contact.h"
 #include "host/base/content_hash.h"
 #include "host/build/cache.h"
 #include "host/build/filled_body.h"
@@ -197,48 +200,128 @@ auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
   }
 }
 
+bool is_interrupted(const BakeRequest& request) {
+  return request.interrupted != nullptr && request.interrupted->load();
+}
+
+// Frees the solver and its device; take_device then takes the same one.
+void release_device(PreparedBake& prepared) {
+  // The solver refers to the device.
+  prepared.simulation.solver.reset();
+  prepared.simulation = {};
+  --prepared.devices_tried;
+}
+
+// Bakes the frames for a trial of their look.
+bake::TriedLook tried_on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& say,
+                                  drive::DriveSource& drives, const bake::TriedFrames& frames,
+                                  std::uint64_t most_over) {
+  LongWait wait(say);
+  return on_a_device(prepared, request, say, [&] {
+    return bake::try_look(prepared.scene, prepared.built.model, *prepared.look_body, drives,
+                          *prepared.simulation.solver, frames, [&](const bake::TriedLook& tried) {
+                            wait.go_on("still before frame 0, checking the look of frames " +
+                                       count_text(frames.first + 1) + " to " + count_text(frames.last));
+                            return !is_interrupted(request) && tried.frames_over < most_over;
+                          });
+  });
+}
+
+// The same scene without contact of bodies with themselves, on the device that `prepared` had.
+std::unique_ptr<PreparedBake> without_self_contact(PreparedBake& prepared, const BakeRequest& request) {
+  auto made = std::make_unique<PreparedBake>();
+  made->scene = prepared.scene;
+  made->scene.contact.self = false;
+  made->built = build_scene(made->scene, request.build, {});
+  made->look_body = bake::look_body_of(made->scene, made->built.model);
+  made->warnings = prepared.warnings;
+  if (prepared.simulation.solver) release_device(prepared);
+  made->devices_tried = prepared.devices_tried;
+  return made;
+}
+
+// contact.unless_torn: what the bake does without contact of bodies with themselves, if that tears the skin;
+// else null. A resumed bake does what it did.
+std::unique_ptr<PreparedBake> without_torn_contact(PreparedBake& prepared, const BakeRequest& request,
+                                                   const Say& say) {
+  const scene::Scene& scene = prepared.scene;
+  if (!scene.contact.unless_torn || !scene.contact.self || !prepared.look_body || !bake::can_try_look(scene))
+    return nullptr;
+  if (request.output.resume) {
+    const auto checkpoint = bake::read_checkpoint(request.output.folder / bake::checkpoint_name);
+    const auto keeps = checkpoint ? bake::keeps_self_contact(checkpoint->identity) : std::nullopt;
+    if (keeps && *keeps) return nullptr;
+    if (keeps) {
+      auto other = without_self_contact(prepared, request);
+      other->warnings.push_back(bake::left_out_before);
+      say_warning(say, other->warnings.back());
+      return other;
+    }
+  }
+  drive::DriveSource drives(scene, prepared.built.model, prepared.built.steps.substeps);
+  const std::optional<bake::DrivenFlesh> driven = bake::driven_flesh(scene, prepared.built.model, drives);
+  if (!driven) return nullptr;
+  take_device(prepared, request, say);
+  const bake::TriedFrames frames = bake::frames_to_try(scene, *driven);
+  const bake::TriedLook with =
+      tried_on_a_device(prepared, request, say, drives, frames, bake::enough_frames_over);
+  prepared.is_undecided = is_interrupted(request);
+  if (prepared.is_undecided || !(with.worst.score > 1.0)) return nullptr;
+  std::unique_ptr<PreparedBake> other = without_self_contact(prepared, request);
+  take_device(*other, request, {});
+  drive::DriveSource same_drives(other->scene, other->built.model, other->built.steps.substeps);
+  const bake::TriedLook without = tried_on_a_device(
+      *other, request, say, same_drives,
+      {.first = frames.first, .last = with.last, .settling = frames.settling}, bake::enough_frames_over);
+  prepared.is_undecided = is_interrupted(request);
+  if (prepared.is_undecided || !bake::tears(with, without)) {
+    release_device(*other);
+    prepared.devices_tried = other->devices_tried;
+    take_device(prepared, request, {});
+    return nullptr;
+  }
+  other->warnings.push_back(bake::torn_contact_warning(*driven, with, without));
+  say_warning(say, other->warnings.back());
+  return other;
+}
+
 }  // namespace
 
 std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest& request, const Say& say) {
   auto made = std::make_unique<PreparedBake>();
-  PreparedBake& prepared = *made;
-  prepared.scene = std::move(given);
-  const scene::Scene& scene = prepared.scene;
-  // Check these before building, not after.
-  bake::number_of_first(scene, request.output);
-  (void)bake::formats_to_write(request.output);
+  made->scene = std::move(given);
   const auto warn = [&](const std::string& text) {
     if (text.empty()) return;
     say_warning(say, text);
-    prepared.warnings.push_back(text);
+    made->warnings.push_back(text);
   };
-  warn(warning_of_clip(scene));
+  // Check these before building, not after.
+  bake::number_of_first(made->scene, request.output);
+  (void)bake::formats_to_write(request.output);
+  warn(warning_of_clip(made->scene));
   const bake::BakeOutput& output = request.output;
   if (!request.writes_nothing && !output.overwrite && !output.resume && bake::holds_bake(output.folder))
     throw bake::FolderInUse(
         output.folder.string() +
         ": already holds a bake; --resume continues it, --overwrite starts again, or choose another -o");
-  prepared.built = build_scene(scene, request.build, say);
+  made->built = build_scene(made->scene, request.build, say);
+  say_warnings(made->built.report, say);
+  made->look_body = bake::look_body_of(made->scene, made->built.model);
+  if (auto other = without_torn_contact(*made, request, say)) made = std::move(other);
+
+  PreparedBake& prepared = *made;
+  const scene::Scene& scene = prepared.scene;
   const Built& built = prepared.built;
-  say_warnings(built.report, say);
   drive::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
   warn(warning_of_jumps(scene, built.model, drives));
-  prepared.look_body = bake::look_body_of(scene, built.model);
   if (prepared.look_body)
     prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
-  take_device(prepared, request, say);
+  if (!prepared.simulation.solver) take_device(prepared, request, say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score && bake::can_try_look(scene)) {
-    LongWait wait(say);
-    const auto goes_on = [&](const bake::TriedLook& tried) {
-      wait.go_on("still before frame 0, checking the look of frames " + count_text(tried.first + 1) + " to " +
-                 count_text(tried.last));
-      return request.interrupted == nullptr || !request.interrupted->load();
-    };
-    prepared.tried = on_a_device(prepared, request, say, [&] {
-      return bake::try_look(scene, built.model, *prepared.look_body, drives, *prepared.simulation.solver,
-                            prepared.expected->frame, goes_on);
-    });
+    prepared.tried = tried_on_a_device(prepared, request, say, drives,
+                                       bake::frames_to_try(scene, prepared.expected->frame),
+                                       std::numeric_limits<std::uint64_t>::max());
     // The frames decide, because the estimate may be off by half. If both exceed the limit, the estimate
     // names the remedy.
     if (prepared.tried->worst.score > 1.0)
@@ -269,6 +352,7 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
     options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
     options.expected_look = prepared.expected;
     options.tried_look = prepared.tried;
+    options.is_undecided = prepared.is_undecided;
     if (prepared.look_body) options.look_body = &*prepared.look_body;
     options.open_ends = open_ends_of(prepared.built.report);
     options.interrupted = request.interrupted;

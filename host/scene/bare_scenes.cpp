@@ -187,7 +187,7 @@ std::string scene_for_character(const std::filesystem::path& path, const rig::Ch
          "file = " +
          in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, path.string()) +
          // Explicit flesh trembles when pressed into a fold (docs/design, contact.md).
-         (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\n" : "");
+         (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\nunless_torn = true\n" : "");
 }
 
 }  // namespace fascicle::scene

@@ -105,6 +105,11 @@ const auto& contact_rows() {
           {.name = "self",
            .doc = "Self-contact: the flesh of a body, or of each character, does not pass through itself. "
                   "Contact between characters and with props does not depend on this."}),
+      key(&ContactSettings::unless_torn,
+          {.name = "unless_torn",
+           .doc = "Whether a bake may leave self-contact out: it does if the clip moves a limb so deep into "
+                  "other flesh that contact would tear the skin. `fascicle bake` tries it first, and reports "
+                  "it."}),
       key(&ContactSettings::distance,
           {.name = "distance",
            .doc = "Margin, m: flesh closer than this at rest, and not far apart along the body, is not in "

@@ -516,6 +516,7 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(scene.layers[1].least_volume, 0.3);
   EXPECT_EQ(scene.layers[2].least_volume, 0.0);
   EXPECT_TRUE(scene.contact.self);
+  EXPECT_TRUE(scene.contact.unless_torn);
   EXPECT_EQ(scene.solver.viscosity, viscosity_of_character);
   EXPECT_EQ(load_scene(path.string(), {.set = {"solver.viscosity=0.0"}}).solver.viscosity, 0.0);
   const Scene in_alphas = load_scene(path.string(), {.set = {"solver.integrator=explicit"}});

@@ -436,8 +436,8 @@ std::string describe(const Scene& scene) {
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
          scene.skeleton.connect);
   d.line("flesh", scene.flesh.softness, scene.flesh.exaggerate);
-  d.line("contact", scene.contact.self, scene.contact.distance.value_or(-1.0), scene.contact.friction,
-         scene.contact.attribute);
+  d.line("contact", scene.contact.self, scene.contact.unless_torn, scene.contact.distance.value_or(-1.0),
+         scene.contact.friction, scene.contact.attribute);
   for (const std::vector<std::string>& names : scene.contact.ignore) d.line("ignore", names);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
