@@ -83,7 +83,7 @@ struct BakeOptions : BakeOutput {
   std::optional<ExpectedLook> expected_look;  // for the manifest
   std::optional<TriedLook> tried_look;        // for the manifest
   const LookBody* look_body = nullptr;        // look_body_of, if the caller has it
-  bool is_undecided = false;  // a trial before the bake was cut short: it ends before it keeps anything
+  std::string contact_left_out = {};  // why contact.self is, if contact.unless_torn decided so; else empty
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame has been simulated; it and the one before it may not be written yet.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;

@@ -13,6 +13,7 @@
 #include "host/bake/points.h"
 #include "host/base/text.h"
 #include "host/drive/felt_acceleration.h"
+#include "host/drive/lead_in.h"
 #include "host/model/overlap.h"
 
 namespace fascicle::bake {
@@ -298,7 +299,14 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
   TriedLook tried;
   tried.first = frames.first;
   tried.last = frames.last;
-  solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
+  const bool is_led = frames.first == 0 && frames.has_lead_in;
+  if (is_led) {
+    std::optional<scene::Scene> once;
+    if (scene.motion.seamless) once.emplace(scene).motion.seamless = false;
+    drive::lead_in(once ? *once : scene, model, drives, solver, [&] { return goes_on && !goes_on(tried); });
+  } else {
+    solver.load(frames.first == 0 ? drives.initial_state() : drives.state_on_skeleton(frames.first));
+  }
   Look look(model, body, scene.fps);
   std::optional<model::OverlapMeter> overlap;
   for (std::uint64_t k = frames.first + 1; k <= frames.last; ++k) {
@@ -308,9 +316,12 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
     }
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
     const model::Frame seen = solver.collect();
-    // Divergence is reported by the bake itself.
-    if (!std::all_of(seen.positions.begin(), seen.positions.end(), [](float x) { return std::isfinite(x); }))
+    tried.is_finite =
+        std::all_of(seen.positions.begin(), seen.positions.end(), [](float x) { return std::isfinite(x); });
+    if (!tried.is_finite) {
+      tried.last = k;
       break;
+    }
     // Flesh that starts on the skeleton has to settle first.
     if (frames.first > 0 && k <= frames.first + frames.settling) {
       look.remember(seen);

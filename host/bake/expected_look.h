@@ -53,6 +53,8 @@ inline bool can_try_look(const scene::Scene& scene) {
 struct TriedFrames {
   std::uint64_t first = 0, last = 0;  // frames (first, last]
   std::uint64_t settling = 0;  // the first so many of them are not judged, unless the clip begins there
+  bool has_lead_in = false;    // if the clip begins there, what the bake simulates before it comes first, but
+                               // for the cycles of a seamless loop
 };
 // Those around frame `frame`.
 TriedFrames frames_to_try(const scene::Scene& scene, std::uint64_t frame);
@@ -63,7 +65,8 @@ struct TriedLook {
   LookMeasure cause = LookMeasure::stretch;
   std::uint64_t frame = 0;  // with the worst score
   std::uint64_t frames_over = 0;
-  double driven = 0.0;  // for look_warning
+  double driven = 0.0;    // for look_warning
+  bool is_finite = true;  // false: it ended with positions that are not finite, which the bake will report
 };
 
 // One line on a look over the limit: what was seen, where, and a remedy.

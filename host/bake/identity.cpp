@@ -196,7 +196,8 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   if (const std::uint64_t first = number_of_first(scene, options); first != 0)
     identity.emplace_back("--first-frame", base::number_text(first));
   if (scene.contact.unless_torn)
-    identity.emplace_back(self_contact_name, scene.contact.self ? self_contact_kept : "left out");
+    identity.emplace_back(self_contact_name,
+                          options.contact_left_out.empty() ? self_contact_kept : options.contact_left_out);
   identity.emplace_back("device", identity_of(options.device));
   return identity;
 }
@@ -205,11 +206,11 @@ std::string identity_of(const DeviceDescription& device) {
   return device.exact ? "exact" : device.name + ", " + device.driver;
 }
 
-std::optional<bool> keeps_self_contact(const Identity& identity) {
+std::optional<std::string> contact_left_out(const Identity& identity) {
   const auto found = std::find_if(identity.begin(), identity.end(),
                                   [](const auto& entry) { return entry.first == self_contact_name; });
   if (found == identity.end()) return std::nullopt;
-  return found->second == self_contact_kept;
+  return found->second == self_contact_kept ? std::string() : found->second;
 }
 
 std::vector<Difference> differences(const Identity& before, const Identity& now) {

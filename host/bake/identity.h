@@ -23,9 +23,8 @@ std::string identity_of(const DeviceDescription& device);
 using Identity = std::vector<std::pair<std::string, std::string>>;
 Identity identity_of(const scene::Scene& scene, std::uint64_t model_hash, const BakeOptions& options);
 
-// Whether a bake with this identity has contact of the body with itself, if contact.unless_torn left that to
-// it; else empty.
-std::optional<bool> keeps_self_contact(const Identity& identity);
+// BakeOptions::contact_left_out of a bake with this identity; nullopt if contact.unless_torn decided nothing.
+std::optional<std::string> contact_left_out(const Identity& identity);
 
 struct Difference {
   std::string name, was, is;  // empty: nothing; "absent" if the name is missing there

@@ -185,10 +185,6 @@ std::optional<BakeResult> Run::done_before(const Checkpoint& last) {
 // The state of frame 0.
 model::State Run::lead_to_start() {
   const Stopwatch time(seconds_solver_);
-  if (options_.is_undecided) {
-    interrupted_ = true;
-    return drives_.initial_state();
-  }
   const bool is_long = drives_.preroll_frames() > 0 || scene_.motion.settle > 0.0 || scene_.motion.seamless;
   const std::string key = is_long ? start_key(identity_) : "";
   if (is_long && options_.find_start)

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "host/bake/expected_look.h"
 #include "host/drive/drive_source.h"
@@ -14,18 +14,20 @@
 
 namespace fascicle::bake {
 
-// The pose of a clip whose skinning lays flesh deepest into other flesh.
+// A pose of a clip whose skinning lays flesh deep into other flesh.
 struct DrivenFlesh {
-  double depth = 0.0;       // m
-  std::uint64_t frame = 0;  // of this pose
-  std::uint64_t first = 0;  // a frame before it where flesh is not yet half as deep as contact can bear, if
-                            // there is one in the half second before
+  double depth = 0.0;        // m
+  std::uint64_t frame = 0;   // of this pose
+  std::uint64_t first = 0;   // a frame up to half a second before it; if possible, flesh is not half as deep
+                             // there as contact can bear
+  bool starts_deep = false;  // it is deeper even there
 };
 
-// Looks at about ten poses per second, at most 200, of one cycle. Empty if none is deeper than
-// deepest_for_contact, or without contact or skeleton.
-std::optional<DrivenFlesh> driven_flesh(const scene::Scene& scene, const model::Model& model,
-                                        drive::DriveSource& drives);
+// The deepest poses of one cycle that are deeper than deepest_for_contact, a second or more apart, the
+// deepest first: at most two. About ten poses per second are looked at, in long clips fewer. None without
+// contact or a skeleton, or in a scene of several characters: its model also has contact between them.
+std::vector<DrivenFlesh> driven_flesh(const scene::Scene& scene, const model::Model& model,
+                                      drive::DriveSource& drives);
 
 // Those that have to be baked to see what contact does there.
 TriedFrames frames_to_try(const scene::Scene& scene, const DrivenFlesh& driven);
@@ -33,15 +35,12 @@ TriedFrames frames_to_try(const scene::Scene& scene, const DrivenFlesh& driven);
 // A trial needs no more frames over the limit.
 inline constexpr std::uint64_t enough_frames_over = 5;
 
-// Whether a bake should leave contact out, by trials of the same frames with it and without it.
+// Whether a bake should leave contact out, by trials of the same frames with it and without it. Flesh that
+// does not stay finite is torn.
 bool tears(const TriedLook& with_contact, const TriedLook& without);
 
 // One line that says what was tried, and how to keep contact.
 std::string torn_contact_warning(const DrivenFlesh& driven, const TriedLook& with_contact,
                                  const TriedLook& without);
-
-// The same for a bake that is resumed, which is not tried again.
-inline constexpr const char* left_out_before =
-    "contact of the body with itself is left out, as in the frames before: it would tear the skin";
 
 }  // namespace fascicle::bake

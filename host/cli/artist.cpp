@@ -302,7 +302,9 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, frames.model(), view);
   if (arguments.mode == render::Mode::contact) {
     if (!frames.model().has_contact())
-      throw UsageError("--mode contact: this scene has no self-contact; set contact.self = true");
+      throw UsageError(
+          "--mode contact: this bake has no self-contact; set contact.self = true, or contact.unless_torn = "
+          "false if the bake left it out");
     overlap_.emplace(frames.model());
   }
   if (arguments.lag_scale) {

@@ -271,6 +271,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   PreparedBake& prepared = *made;
   if (arguments.dry_run) {
+    if (prepared.is_undecided) return ExitCode::interrupted;
     print_estimate(arguments, prepared);
     return ExitCode::done;
   }

@@ -40,7 +40,10 @@ Cost measured_cost(const scene::Job& job, const FarmBatch& batch, std::uint64_t&
   const FarmClock::time_point start = FarmClock::now();
   std::unique_ptr<PreparedBake> prepared;
   try {
-    prepared = prepare_bake(scene::load_scene(job.scene, overrides), request, silent);
+    scene::Scene scene = scene::load_scene(job.scene, overrides);
+    // One clip stands for all; a bake without contact takes a fraction of the time.
+    scene.contact.unless_torn = false;
+    prepared = prepare_bake(std::move(scene), request, silent);
   } catch (const NoSuchDevice&) {
     if (is_on_cpu) throw;
     is_on_cpu = true;  // only the nodes have the GPU

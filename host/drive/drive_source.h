@@ -29,8 +29,8 @@ class DriveSource {
   // The state before frame 1 if the flesh has followed the skeleton: skinned to the first pose, with the
   // velocity at which the clip begins.
   model::State initial_state() const;
-  // The state at the end of frame k, k >= 1 and not the last, if the flesh has followed the skeleton up to
-  // there.
+  // The state at the end of frame k, if the flesh has followed the skeleton up to there. In frame 0 and the
+  // last one only its positions have a meaning.
   model::State state_on_skeleton(std::uint64_t frame) const;
   std::uint32_t substeps() const;  // per frame
   // The drive of frame k >= 1. Frames may be requested in any order.

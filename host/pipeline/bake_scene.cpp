@@ -204,85 +204,88 @@ bool is_interrupted(const BakeRequest& request) {
   return request.interrupted != nullptr && request.interrupted->load();
 }
 
-// Frees the solver and its device; take_device then takes the same one.
-void release_device(PreparedBake& prepared) {
-  // The solver refers to the device.
-  prepared.simulation.solver.reset();
-  prepared.simulation = {};
-  --prepared.devices_tried;
+void make_solver_if_none(PreparedBake& prepared) {
+  Simulation& simulation = prepared.simulation;
+  if (!simulation.solver)
+    simulation.solver = simulation.device.make_solver(prepared.built.model,
+                                                      solver_options(prepared.scene, prepared.built.steps));
 }
 
 // Bakes the frames for a trial of their look.
 bake::TriedLook tried_on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& say,
                                   drive::DriveSource& drives, const bake::TriedFrames& frames,
-                                  std::uint64_t most_over) {
+                                  std::uint64_t most_over = std::numeric_limits<std::uint64_t>::max()) {
   LongWait wait(say);
   return on_a_device(prepared, request, say, [&] {
+    make_solver_if_none(prepared);
     return bake::try_look(prepared.scene, prepared.built.model, *prepared.look_body, drives,
                           *prepared.simulation.solver, frames, [&](const bake::TriedLook& tried) {
                             wait.go_on("still before frame 0, checking the look of frames " +
                                        count_text(frames.first + 1) + " to " + count_text(frames.last));
+                            if (request.on_lead_in) request.on_lead_in();
                             return !is_interrupted(request) && tried.frames_over < most_over;
                           });
   });
 }
 
-// The same scene without contact of bodies with themselves, on the device that `prepared` had.
-std::unique_ptr<PreparedBake> without_self_contact(PreparedBake& prepared, const BakeRequest& request) {
-  auto made = std::make_unique<PreparedBake>();
-  made->scene = prepared.scene;
-  made->scene.contact.self = false;
-  made->built = build_scene(made->scene, request.build, {});
-  made->look_body = bake::look_body_of(made->scene, made->built.model);
-  made->warnings = prepared.warnings;
-  if (prepared.simulation.solver) release_device(prepared);
-  made->devices_tried = prepared.devices_tried;
-  return made;
+// What the bake that is to be resumed decided about contact.unless_torn: BakeOptions::contact_left_out.
+// Nothing if there is none.
+std::optional<std::string> decided_before(const scene::Scene& scene, const BakeRequest& request) {
+  const std::filesystem::path& folder = request.output.folder;
+  if (!scene.contact.unless_torn || !request.output.resume || request.writes_nothing ||
+      !bake::holds_bake(folder))
+    return std::nullopt;
+  const auto checkpoint = bake::read_checkpoint(folder / bake::checkpoint_name);
+  return checkpoint ? bake::contact_left_out(checkpoint->identity) : std::nullopt;
 }
 
-// contact.unless_torn: what the bake does without contact of bodies with themselves, if that tears the skin;
-// else null. A resumed bake does what it did.
+// The device goes from one to the other; the solver stays behind and ends, because it refers to both.
+void hand_device(PreparedBake& from, PreparedBake& to) {
+  from.simulation.solver.reset();
+  to.simulation.device = std::move(from.simulation.device);
+  to.devices_tried = from.devices_tried;
+  to.warnings = from.warnings;
+}
+
+// contact.unless_torn: the same bake without contact of the body with itself, if trials show that this tears
+// the skin; else null. `prepared` has a device afterwards if there were trials.
 std::unique_ptr<PreparedBake> without_torn_contact(PreparedBake& prepared, const BakeRequest& request,
                                                    const Say& say) {
   const scene::Scene& scene = prepared.scene;
   if (!scene.contact.unless_torn || !scene.contact.self || !prepared.look_body || !bake::can_try_look(scene))
     return nullptr;
-  if (request.output.resume) {
-    const auto checkpoint = bake::read_checkpoint(request.output.folder / bake::checkpoint_name);
-    const auto keeps = checkpoint ? bake::keeps_self_contact(checkpoint->identity) : std::nullopt;
-    if (keeps && *keeps) return nullptr;
-    if (keeps) {
-      auto other = without_self_contact(prepared, request);
-      other->warnings.push_back(bake::left_out_before);
-      say_warning(say, other->warnings.back());
+  drive::DriveSource drives(scene, prepared.built.model, prepared.built.steps.substeps);
+  for (const bake::DrivenFlesh& driven : bake::driven_flesh(scene, prepared.built.model, drives)) {
+    if (!prepared.simulation.solver) take_device(prepared, request, say);
+    bake::TriedFrames frames = bake::frames_to_try(scene, driven);
+    const bake::TriedLook with =
+        tried_on_a_device(prepared, request, say, drives, frames, bake::enough_frames_over);
+    prepared.is_undecided = is_interrupted(request);
+    if (prepared.is_undecided) return nullptr;
+    if (with.is_finite && with.worst.score <= 1.0) continue;
+    auto other = std::make_unique<PreparedBake>();
+    other->scene = scene;
+    other->scene.contact.self = false;
+    other->built = build_scene(other->scene, request.build, say);
+    other->look_body = bake::look_body_of(other->scene, other->built.model);
+    hand_device(prepared, *other);
+    drive::DriveSource same_drives(other->scene, other->built.model, other->built.steps.substeps);
+    frames.last = with.last;
+    const bake::TriedLook without = tried_on_a_device(*other, request, say, same_drives, frames);
+    prepared.is_undecided = is_interrupted(request);
+    if (!prepared.is_undecided && bake::tears(with, without)) {
+      other->contact_left_out = bake::torn_contact_warning(driven, with, without);
       return other;
     }
+    hand_device(*other, prepared);
+    other.reset();
+    on_a_device(prepared, request, say, [&] {
+      make_solver_if_none(prepared);
+      return true;
+    });
+    if (prepared.is_undecided) return nullptr;
   }
-  drive::DriveSource drives(scene, prepared.built.model, prepared.built.steps.substeps);
-  const std::optional<bake::DrivenFlesh> driven = bake::driven_flesh(scene, prepared.built.model, drives);
-  if (!driven) return nullptr;
-  take_device(prepared, request, say);
-  const bake::TriedFrames frames = bake::frames_to_try(scene, *driven);
-  const bake::TriedLook with =
-      tried_on_a_device(prepared, request, say, drives, frames, bake::enough_frames_over);
-  prepared.is_undecided = is_interrupted(request);
-  if (prepared.is_undecided || !(with.worst.score > 1.0)) return nullptr;
-  std::unique_ptr<PreparedBake> other = without_self_contact(prepared, request);
-  take_device(*other, request, {});
-  drive::DriveSource same_drives(other->scene, other->built.model, other->built.steps.substeps);
-  const bake::TriedLook without = tried_on_a_device(
-      *other, request, say, same_drives,
-      {.first = frames.first, .last = with.last, .settling = frames.settling}, bake::enough_frames_over);
-  prepared.is_undecided = is_interrupted(request);
-  if (prepared.is_undecided || !bake::tears(with, without)) {
-    release_device(*other);
-    prepared.devices_tried = other->devices_tried;
-    take_device(prepared, request, {});
-    return nullptr;
-  }
-  other->warnings.push_back(bake::torn_contact_warning(*driven, with, without));
-  say_warning(say, other->warnings.back());
-  return other;
+  return nullptr;
 }
 
 }  // namespace
@@ -304,10 +307,15 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
     throw bake::FolderInUse(
         output.folder.string() +
         ": already holds a bake; --resume continues it, --overwrite starts again, or choose another -o");
+  const std::optional<std::string> left_out = decided_before(made->scene, request);
+  if (left_out) made->contact_left_out = *left_out;
+  if (!made->contact_left_out.empty()) made->scene.contact.self = false;
   made->built = build_scene(made->scene, request.build, say);
   say_warnings(made->built.report, say);
   made->look_body = bake::look_body_of(made->scene, made->built.model);
-  if (auto other = without_torn_contact(*made, request, say)) made = std::move(other);
+  if (!left_out)
+    if (auto other = without_torn_contact(*made, request, say)) made = std::move(other);
+  warn(made->contact_left_out);
 
   PreparedBake& prepared = *made;
   const scene::Scene& scene = prepared.scene;
@@ -320,8 +328,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   if (!prepared.simulation.solver) take_device(prepared, request, say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score && bake::can_try_look(scene)) {
     prepared.tried = tried_on_a_device(prepared, request, say, drives,
-                                       bake::frames_to_try(scene, prepared.expected->frame),
-                                       std::numeric_limits<std::uint64_t>::max());
+                                       bake::frames_to_try(scene, prepared.expected->frame));
     // The frames decide, because the estimate may be off by half. If both exceed the limit, the estimate
     // names the remedy.
     if (prepared.tried->worst.score > 1.0)
@@ -333,6 +340,11 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
 }
 
 bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
+  if (prepared.is_undecided) {
+    bake::BakeResult result;
+    result.interrupted = true;
+    return result;
+  }
   std::string device_before;
   return on_a_device(prepared, request, say, [&] {
     bake::BakeOptions options;
@@ -352,7 +364,7 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
     options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
     options.expected_look = prepared.expected;
     options.tried_look = prepared.tried;
-    options.is_undecided = prepared.is_undecided;
+    options.contact_left_out = prepared.contact_left_out;
     if (prepared.look_body) options.look_body = &*prepared.look_body;
     options.open_ends = open_ends_of(prepared.built.report);
     options.interrupted = request.interrupted;

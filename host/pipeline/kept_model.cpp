@@ -21,6 +21,8 @@ scene::Json parameters_of(const scene::Scene& scene) {
   scene::Json parameters = json_of(scene);
   // Its values are included one by one.
   parameters.erase("text");
+  // If it decides anything, contact.self differs.
+  parameters["contact"].erase("unless_torn");
   // Several characters share one clip that combines theirs, and its poses determine how their bodies are
   // filled.
   if (!scene.characters.empty()) return parameters;

@@ -197,7 +197,7 @@ using NameLists = std::vector<std::vector<std::string>>;
 // How flesh meets flesh.
 struct ContactSettings {
   bool self = false;               // flesh of a character does not pass through itself
-  bool unless_torn = false;        // but a bake leaves that out if the trial of its look tears the skin
+  bool unless_torn = false;        // a bake leaves that out if a trial shows that it tears the skin
   std::optional<double> distance;  // m: flesh closer at rest does not collide; absent: from the mesh
   double friction = 0.5;           // Coulomb's coefficient, at least 0
   NameLists ignore;                // pairs of flesh that do not collide; a single name collides with nothing

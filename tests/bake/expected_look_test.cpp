@@ -131,7 +131,7 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
     const std::uint64_t frame = scene::cycle_frames(bar.scene) / 2;
     const bake::LookBody body = bake::look_body_of(bar.scene, bar.model).value();
     const bake::TriedLook tried =
-        bake::try_look(bar.scene, bar.model, body, drives, *solver, frames_to_try(bar.scene, frame));
+        bake::try_look(bar.scene, bar.model, body, drives, *solver, bake::frames_to_try(bar.scene, frame));
     EXPECT_LT(tried.first, frame);
     EXPECT_GT(tried.last, frame);
     EXPECT_EQ(tried.worst.score > 1.0, measured(bar) > 1.0) << youngs_modulus;
@@ -154,7 +154,7 @@ TEST(ExpectedLook, TriedFramesCanBeStopped) {
     return ++asked <= 2;
   };
   bake::try_look(bar.scene, bar.model, bake::look_body_of(bar.scene, bar.model).value(), drives, *solver,
-                 frames_to_try(bar.scene, scene::cycle_frames(bar.scene) / 2), twice);
+                 bake::frames_to_try(bar.scene, scene::cycle_frames(bar.scene) / 2), twice);
   EXPECT_EQ(asked, 3);
   EXPECT_EQ(solver->save().positions, drives.initial_state().positions);
 }

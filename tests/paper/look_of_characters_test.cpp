@@ -70,7 +70,8 @@ Foreseen foreseen(const char* file, const char* clip, double softness) {
   const bake::LookBody body = bake::look_body_of(scene, model).value();
   const bake::ExpectedLook expected = bake::expected_look(scene, model, body, drives).value();
   const auto solver = cpu_reference::make_cpu_solver(model, options);
-  return {expected.score, bake::try_look(scene, model, body, drives, *solver, expected.frame).worst.score};
+  const bake::TriedFrames frames = bake::frames_to_try(scene, expected.frame);
+  return {expected.score, bake::try_look(scene, model, body, drives, *solver, frames).worst.score};
 }
 
 // A setting that the clip does not bear is reported before the bake, and the default is not. By default the
