@@ -35,6 +35,7 @@ to = [0.4, 0.1, 0.1]
 
 [contact]
 self = true
+unless_torn = true
 distance = 0.0625
 friction = 0.75
 ignore = [["skin", "fat"], ["bone"]]
