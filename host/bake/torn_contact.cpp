@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 #include <vector>
 
 #include "host/bake/look_report.h"
@@ -11,7 +12,7 @@
 namespace fascicle::bake {
 
 std::vector<DrivenFlesh> driven_flesh(const scene::Scene& scene, const model::Model& model,
-                                      drive::DriveSource& drives) {
+                                      drive::DriveSource& drives, const std::function<bool()>& goes_on) {
   constexpr double poses_per_second = 10.0, most_poses = 200.0;
   constexpr double apart = 1.0, longest_before = 0.5, step_before = 1.0 / 30.0;  // s
   constexpr std::size_t most_found = 2;
@@ -30,9 +31,11 @@ std::vector<DrivenFlesh> driven_flesh(const scene::Scene& scene, const model::Mo
       std::max(frames_of(1.0 / poses_per_second),
                static_cast<std::uint64_t>(std::ceil(static_cast<double>(last) / most_poses)));
   std::vector<DrivenFlesh> poses;
-  for (std::uint64_t frame = 0; frame <= last; frame += step)
+  for (std::uint64_t frame = 0; frame <= last; frame += step) {
+    if (goes_on && !goes_on()) return found;
     if (const double depth = depth_in(frame); depth > bearable)
       poses.push_back({.depth = depth, .frame = frame});
+  }
   std::stable_sort(poses.begin(), poses.end(),
                    [](const DrivenFlesh& a, const DrivenFlesh& b) { return a.depth > b.depth; });
   for (DrivenFlesh& pose : poses) {
@@ -71,17 +74,20 @@ bool tears(const TriedLook& with_contact, const TriedLook& without) {
   return with > 1.0 && (without.worst.score <= 1.0 || without.worst.score < 0.5 * with);
 }
 
-std::string torn_contact_warning(const DrivenFlesh& driven, const TriedLook& with_contact,
-                                 const TriedLook& without) {
-  const std::string with = with_contact.is_finite ? "look " + base::short_text(with_contact.worst.score)
-                                                  : std::string("positions that are not finite");
-  return "contact of the body with itself is left out: the clip moves flesh " +
-         base::short_text(driven.depth) + " m into other flesh by frame " + base::number_text(driven.frame) +
-         ", and contact would tear the skin (frames " + base::number_text(with_contact.first + 1) + " to " +
+std::string torn_contact_warning(const scene::Scene& scene, const DrivenFlesh& driven,
+                                 const TriedLook& with_contact, const TriedLook& without) {
+  const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
+  const std::string with = with_contact.is_finite
+                               ? "look " + base::short_text(with_contact.worst.score)
+                               : std::string("they end with positions that are not finite");
+  return "contact of the body with itself is left out, because it would tear the skin at joint \"" +
+         skeleton[with_contact.worst.joint].name + "\": the clip moves flesh " +
+         base::short_text(driven.depth) + " m into other flesh (frame " + base::number_text(driven.frame) +
+         "); of the frames around it, " + base::number_text(with_contact.first + 1) + " to " +
          base::number_text(with_contact.last) + " were tried: " + with + " with contact, " +
          base::short_text(without.worst.score) +
-         " without); --set contact.unless_torn=false keeps it, and [contact] ignore leaves out only some "
-         "parts";
+         " without (1 is the limit); --set contact.unless_torn=false keeps it, and [contact] ignore leaves "
+         "out only some parts";
 }
 
 }  // namespace fascicle::bake

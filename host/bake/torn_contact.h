@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,7 @@ struct DrivenFlesh {
 // deepest first: at most two. About ten poses per second are looked at, in long clips fewer. None without
 // contact or a skeleton, or in a scene of several characters: its model also has contact between them.
 std::vector<DrivenFlesh> driven_flesh(const scene::Scene& scene, const model::Model& model,
-                                      drive::DriveSource& drives);
+                                      drive::DriveSource& drives, const std::function<bool()>& goes_on = {});
 
 // Those that have to be baked to see what contact does there.
 TriedFrames frames_to_try(const scene::Scene& scene, const DrivenFlesh& driven);
@@ -40,7 +41,7 @@ inline constexpr std::uint64_t enough_frames_over = 5;
 bool tears(const TriedLook& with_contact, const TriedLook& without);
 
 // One line that says what was tried, and how to keep contact.
-std::string torn_contact_warning(const DrivenFlesh& driven, const TriedLook& with_contact,
-                                 const TriedLook& without);
+std::string torn_contact_warning(const scene::Scene& scene, const DrivenFlesh& driven,
+                                 const TriedLook& with_contact, const TriedLook& without);
 
 }  // namespace fascicle::bake

@@ -270,8 +270,11 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const Say say = say_on(log);
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   PreparedBake& prepared = *made;
+  if (prepared.is_undecided) {
+    log.warning("interrupted while trying contact; the same command starts again");
+    return ExitCode::interrupted;
+  }
   if (arguments.dry_run) {
-    if (prepared.is_undecided) return ExitCode::interrupted;
     print_estimate(arguments, prepared);
     return ExitCode::done;
   }

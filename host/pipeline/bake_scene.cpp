@@ -255,13 +255,21 @@ std::unique_ptr<PreparedBake> without_torn_contact(PreparedBake& prepared, const
   if (!scene.contact.unless_torn || !scene.contact.self || !prepared.look_body || !bake::can_try_look(scene))
     return nullptr;
   drive::DriveSource drives(scene, prepared.built.model, prepared.built.steps.substeps);
-  for (const bake::DrivenFlesh& driven : bake::driven_flesh(scene, prepared.built.model, drives)) {
+  LongWait wait(say);
+  const std::vector<bake::DrivenFlesh> found = bake::driven_flesh(scene, prepared.built.model, drives, [&] {
+    wait.go_on("still before frame 0, looking for poses that lay flesh into flesh");
+    return !is_interrupted(request);
+  });
+  prepared.is_undecided = is_interrupted(request);
+  for (const bake::DrivenFlesh& driven : found) {
+    if (prepared.is_undecided) return nullptr;
     if (!prepared.simulation.solver) take_device(prepared, request, say);
     bake::TriedFrames frames = bake::frames_to_try(scene, driven);
     const bake::TriedLook with =
         tried_on_a_device(prepared, request, say, drives, frames, bake::enough_frames_over);
     prepared.is_undecided = is_interrupted(request);
     if (prepared.is_undecided) return nullptr;
+    prepared.tried = with;
     if (with.is_finite && with.worst.score <= 1.0) continue;
     auto other = std::make_unique<PreparedBake>();
     other->scene = scene;
@@ -274,7 +282,8 @@ std::unique_ptr<PreparedBake> without_torn_contact(PreparedBake& prepared, const
     const bake::TriedLook without = tried_on_a_device(*other, request, say, same_drives, frames);
     prepared.is_undecided = is_interrupted(request);
     if (!prepared.is_undecided && bake::tears(with, without)) {
-      other->contact_left_out = bake::torn_contact_warning(driven, with, without);
+      other->tried = without;
+      other->contact_left_out = bake::torn_contact_warning(scene, driven, with, without);
       return other;
     }
     hand_device(*other, prepared);

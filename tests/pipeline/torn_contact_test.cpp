@@ -163,6 +163,9 @@ TEST(TornContact, ABakeLeavesItOutAndSaysSo) {
     const auto prepared = pipeline::prepare_bake(bear_with_arm_moved(0.5), request, {});
     EXPECT_FALSE(prepared->built.model.has_contact());
     EXPECT_TRUE(is_said(prepared->warnings));
+    EXPECT_NE(prepared->contact_left_out.find("_L\""), std::string::npos) << "no joint of the arm is named";
+    ASSERT_TRUE(prepared->tried.has_value());
+    EXPECT_LE(prepared->tried->last, 18u);
     EXPECT_GT(frames_before, 0) << "a trial can be watched, and cancelled";
     EXPECT_TRUE(pipeline::run_bake(*prepared, request, {}).interrupted);
   }
