@@ -133,9 +133,14 @@ std::optional<std::string> hash_of_programs(const BuildOptions& options) {
     base::ContentHash hash;
     for (const fs::path& path : {base::own_module(), mesher_path(options)}) {
       const base::File file(path, base::FileMode::read);
-      std::vector<char> bytes(static_cast<std::size_t>(file.size()));
-      if (!file.read_at(0, bytes)) return std::nullopt;
-      hash.add_array(std::span<const char>(bytes));
+      // In pieces: a program with sanitizers has hundreds of megabytes.
+      constexpr std::uint64_t piece_bytes = 1U << 20U;
+      std::vector<char> piece;
+      for (std::uint64_t at = 0; at < file.size(); at += piece_bytes) {
+        piece.resize(static_cast<std::size_t>(std::min(piece_bytes, file.size() - at)));
+        if (!file.read_at(at, piece)) return std::nullopt;
+        hash.add_array(std::span<const char>(piece));
+      }
     }
     return hash.text();
   } catch (const std::system_error&) {
