@@ -3,11 +3,11 @@
 # hardened_end(): tests are excluded. Sanitizers check the same and more, and are incompatible with _FORTIFY_SOURCE.
 include(CheckCXXCompilerFlag)
 include(CheckPIESupported)
-check_pie_supported()
 
 set(FASCICLE_HARDENED OFF)
 if(NOT FASCICLE_SANITIZE)
   set(FASCICLE_HARDENED ON)
+  check_pie_supported()
   set(optimised $<CONFIG:Release,RelWithDebInfo,MinSizeRel>)
   # Some distributions' compilers predefine it as 2 or 3. We use 2 everywhere, so that the same sources get the same
   # checks: 3 determines more sizes, but needs g++ 12 or clang 9 and computes sizes at run time.
