@@ -177,7 +177,9 @@ TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
   const Outcome alone = fascicle({"batch", folder / "jobs.toml", "--device", "vulkan:0", "--overwrite"},
                                  layer(std::to_string(calls * 3 / 4) + " -4"));
   EXPECT_EQ(alone.status, 7) << alone.err;
-  for (const json& job : json::parse(read_text(folder / "batch/batch.json")).at("jobs")) {
+  const json alone_jobs = json::parse(read_text(folder / "batch/batch.json")).at("jobs");
+  ASSERT_EQ(alone_jobs.size(), 3u);
+  for (const json& job : alone_jobs) {
     EXPECT_EQ(job.at("status"), "failed") << job.dump();
     EXPECT_TRUE(contains(job.at("error").get<std::string>(), "VK_ERROR_DEVICE_LOST")) << job.dump();
   }
