@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "host/api/boundary.h"
+#include "host/api/saved_state.h"
 #include "host/bake/bake.h"
 #include "host/drive/drive_source.h"
 #include "host/drive/pose_drive.h"
@@ -77,8 +78,6 @@ struct fascicle_model {
 };
 
 struct fascicle_solver {
-  enum class Driven { no, by_clip, by_poses, by_drives };
-
   pid_t process = getpid();  // a fork of it has no threads of the solver
   std::shared_ptr<const fascicle::api::Body> body;
   std::shared_ptr<fascicle::pipeline::ChosenDevice> device;  // outlives the solver
@@ -87,7 +86,7 @@ struct fascicle_solver {
   fascicle::model::SolverOptions options;
   std::optional<fascicle::drive::DriveSource> clip;
   std::optional<fascicle::drive::PoseDrive> poses;
-  Driven driven = Driven::no;
+  fascicle::api::Driven driven = fascicle::api::Driven::no;
   std::uint64_t frame = 0;
   double time = 0.0;               // s; scene time at the end of the frame
   fascicle::model::Frame shown{};  // the current frame

@@ -16,8 +16,6 @@
 namespace fascicle::api {
 namespace {
 
-using Driven = fascicle_solver::Driven;
-
 const scene::Scene& scene_of(const fascicle_solver& solver) {
   if (!solver.body->scene)
     throw BadArgument(
@@ -160,7 +158,7 @@ void show(fascicle_solver& solver, const model::State& state) {
 }  // namespace fascicle::api
 
 using namespace fascicle;
-using Driven = fascicle_solver::Driven;
+using api::Driven;
 
 void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size) {
   fascicle_solver_options defaults{};

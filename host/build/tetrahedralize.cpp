@@ -1,11 +1,8 @@
 #include "host/build/tetrahedralize.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -13,9 +10,9 @@
 #include <Eigen/Geometry>
 #include <string.h>
 
-#include "host/build/boundary.h"
 #include "host/build/mass.h"
 #include "host/build/mesher.h"
+#include "host/build/mesher_replies.h"
 #include "host/build/spacing.h"
 #include "host/build/weld.h"
 #include "host/mesh/mesh_file.h"
@@ -110,85 +107,6 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
                    reason(result) + "; check that it belongs to this version of fascicle");
 }
 
-// TetGen orients all tetrahedra the same way; ours have positive volume. One that differs from the rest, or
-// is flat, is an error and not reoriented: it would be an overlap.
-void orient(TetMesh& mesh) {
-  double sum = 0.0;
-  for (const auto& t : mesh.tetrahedra) sum += signed_volume(mesh, t);
-  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
-    auto& t = mesh.tetrahedra[i];
-    if (sum < 0.0) std::swap(t[2], t[3]);
-    if (!(signed_volume(mesh, t) > 0.0)) {
-      fail_result("tetrahedron " + std::to_string(i) + " is flat or turned inside out");
-    }
-  }
-}
-
-void check_surface_vertices(const TetMesh& mesh, const SurfaceMesh& surface) {
-  if (mesh.vertices.size() < surface.vertices.size()) fail_result("it lacks vertices of the surface");
-  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-    if (::memcmp(mesh.vertices[i].data(), surface.vertices[i].data(), 3 * sizeof(double)) != 0) {
-      fail_result("vertex " + std::to_string(i) + " of the surface was moved");
-    }
-  }
-}
-
-// Removes points that TetGen left out because they lie outside or on another vertex.
-void drop_unused(TetMesh& mesh, std::size_t surface_count) {
-  constexpr std::uint32_t unused = UINT32_MAX;
-  std::vector<std::uint32_t> number(mesh.vertices.size(), unused);
-  for (const auto& t : mesh.tetrahedra) {
-    for (const std::uint32_t v : t) number[v] = 0;
-  }
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == unused) {
-      if (i < surface_count)
-        fail_result("vertex " + std::to_string(i) + " of the surface is in no tetrahedron");
-      continue;
-    }
-    mesh.vertices[next] = mesh.vertices[i];
-    number[i] = next++;
-  }
-  mesh.vertices.resize(next);
-  for (auto& t : mesh.tetrahedra) {
-    for (std::uint32_t& v : t) v = number[v];
-  }
-}
-
-std::vector<std::array<std::uint32_t, 3>> sorted_corners(
-    std::vector<std::array<std::uint32_t, 3>> triangles) {
-  for (auto& t : triangles) std::sort(t.begin(), t.end());
-  std::sort(triangles.begin(), triangles.end());
-  return triangles;
-}
-
-// The boundary must equal the surface, triangle for triangle. With positive volumes this also makes the total
-// volume the surface's.
-void check_boundary(const TetMesh& mesh, const SurfaceMesh& surface) {
-  const auto boundary = sorted_corners(boundary_triangles(mesh, mesher_name));
-  const auto wanted = sorted_corners(surface.triangles);
-  if (boundary == wanted) return;
-  if (!std::includes(wanted.begin(), wanted.end(), boundary.begin(), boundary.end())) {
-    fail_result("its outside is not the surface");
-  }
-  std::vector<std::array<std::uint32_t, 3>> enclosed;
-  std::set_difference(wanted.begin(), wanted.end(), boundary.begin(), boundary.end(),
-                      std::back_inserter(enclosed));
-  const auto& t = enclosed.front();
-  throw SceneError("part of the surface lies inside another part (the triangle of vertices " +
-                   std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " + std::to_string(t[2]) +
-                   ", counted from 0, and " + std::to_string(enclosed.size() - 1) +
-                   " more); remove the inner part");
-}
-
-void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
-  check_surface_vertices(mesh, surface);
-  orient(mesh);
-  drop_unused(mesh, surface.vertices.size());
-  check_boundary(mesh, surface);
-}
-
 TetMesh fill_by_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
                        const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
@@ -237,7 +155,7 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
   check_count(surface, wanted_edge, options);
   try {
     TetMesh mesh = fill_by_mesher(surface, wanted_edge, inside, options);
-    check_result(mesh, surface);
+    check_filling(mesh, surface);
     return mesh;
   } catch (const std::system_error& error) {
     base::fail_to_run(mesher_name, error);

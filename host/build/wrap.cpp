@@ -1,14 +1,10 @@
 #include "host/build/wrap.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <locale>
 #include <map>
-#include <sstream>
 #include <string>
 #include <system_error>
 #include <unordered_map>
@@ -17,8 +13,11 @@
 #include <Eigen/Geometry>
 #include <string.h>
 
+#include "host/base/errors.h"
+#include "host/base/file.h"
 #include "host/build/box_tree.h"
 #include "host/build/mesher.h"
+#include "host/build/mesher_replies.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
 #include "host/mesh/mesh_file.h"
@@ -54,16 +53,6 @@ ProcessResult run(const std::string& what, const std::vector<std::string>& argum
   return result;
 }
 
-// The alpha and offset of the mesher's last line.
-void read_lengths(const ProcessResult& result, Wrap& wrap) {
-  std::istringstream words(base::last_line(result, mesher_name));
-  words.imbue(std::locale::classic());
-  std::string alpha, offset;
-  words >> alpha >> wrap.alpha >> offset >> wrap.offset;
-  if (!words || alpha != "alpha" || offset != "offset" || !(wrap.alpha > 0.0) || !(wrap.offset > 0.0))
-    fail_result("it does not say its alpha and offset");
-}
-
 // The vertices of a wrap whose triangles have this edge, on both sides in case the surface is a sheet.
 double vertices_at(const mesh::SurfaceMesh& surface, double edge) {
   double area = 0.0;
@@ -92,42 +81,6 @@ void check_count(const mesh::SurfaceMesh& surface, const WrapOrder& order, const
       "wrapping the surface needs about " + digits_of(std::round(count / 1e5) / 10.0) +
       " million vertices, more than the " + std::to_string(options.mesher_bytes >> 20) +
       " MiB of memory allowed can hold; use less cage_detail or a larger resolution (edge length)");
-}
-
-Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
-  if (name == "parts") return &findings.parts;
-  if (name == "loose_vertices") return &findings.loose_vertices;
-  if (name == "flat_triangles") return &findings.flat_triangles;
-  if (name == "open_edges") return &findings.open_edges;
-  if (name == "non_manifold_edges") return &findings.non_manifold_edges;
-  if (name == "non_manifold_vertices") return &findings.non_manifold_vertices;
-  if (name == "turned_edges") return &findings.turned_edges;
-  if (name == "inverted_parts") return &findings.inverted_parts;
-  if (name == "intersections") return &findings.intersections;
-  return nullptr;
-}
-
-SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
-  SurfaceFindings findings;
-  std::string line;
-  while (std::getline(file, line)) {
-    std::istringstream words(line);
-    std::string name;
-    words >> name;
-    if (name == "end") return findings;
-    if (name == "genus") {
-      words >> findings.genus;
-      if (!words) break;
-      continue;
-    }
-    Finding* finding = finding_of(findings, name);
-    if (finding == nullptr || !(words >> finding->count)) break;
-    for (std::uint32_t v = 0; words >> v;) {
-      if (v >= vertex_count) fail_result("its report names a vertex that does not exist");
-      finding->vertices.push_back(v);
-    }
-  }
-  fail_result("its report ends early or cannot be read");
 }
 
 // Some of a surface's triangles, with the vertices that they use.
@@ -165,9 +118,11 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
     mesh::write_off(in, surface);
     run("examining the surface", {"report", in.string(), out.string()}, surface.triangles.size(), 0.0,
         options);
-    std::ifstream file(out);
-    file.imbue(std::locale::classic());
-    return parse_report(file, surface.vertices.size());
+    try {
+      return parse_findings(base::read_input(out, most_findings_bytes), surface.vertices.size());
+    } catch (const base::InputError&) {
+      fail_result("its report cannot be read");
+    }
   });
 }
 
@@ -184,9 +139,11 @@ Wrap wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order, cons
     else if (order.vertices)
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
     Wrap wrap;
-    read_lengths(run("wrapping the surface", arguments, surface.triangles.size(),
-                     vertices_due(surface, order), options),
-                 wrap);
+    const ProcessResult result = run("wrapping the surface", arguments, surface.triangles.size(),
+                                     vertices_due(surface, order), options);
+    const WrapLengths used = parse_wrap_lengths(base::last_line(result, mesher_name));
+    wrap.alpha = used.alpha;
+    wrap.offset = used.offset;
     try {
       wrap.surface = mesh::read_surface_mesh(out);
       drop_inner_shells(wrap.surface);

@@ -9,6 +9,7 @@
 #include "host/bake/bake.h"
 #include "host/base/display_width.h"
 #include "host/base/file.h"
+#include "host/base/json_number.h"
 #include "host/base/json_text.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
@@ -142,6 +143,15 @@ std::string bench_table(const BenchResults& results) {
 
 BenchBefore read_bench_json(const std::filesystem::path& file) {
   const std::string text = base::read_input(file, base::most_json_bytes);
+  const auto refuse = [&](const std::string& why) {
+    throw bake::BakeError(file.string() + ": is not a result of fascicle bench (" + why +
+                          "); name a file that --json wrote");
+  };
+  const auto count_of = [&](const Json& entry, const char* name) {
+    const auto count = base::whole_number<std::uint32_t>(entry.at(name));
+    if (!count) refuse(std::string(name) + " must be a whole number");
+    return *count;
+  };
   BenchBefore before;
   try {
     const Json object = Json::parse(base::shallow_json(text));
@@ -151,14 +161,13 @@ BenchBefore read_bench_json(const std::filesystem::path& file) {
       row.device = entry.at("device").get<std::string>();
       row.integrator = entry.at("integrator").get<std::string>();
       row.mesh = entry.value("mesh", row.mesh);
-      row.vertices = entry.at("vertices").get<std::uint32_t>();
-      row.threads = entry.at("threads").get<unsigned>();
+      row.vertices = count_of(entry, "vertices");
+      row.threads = count_of(entry, "threads");
       before.rows[key_of(row)] = {entry.at("ns_per_vertex_substep").get<double>(),
                                   entry.at("ns_least").get<double>()};
     }
   } catch (const Json::exception& error) {
-    throw bake::BakeError(file.string() + ": is not a result of fascicle bench (" + error.what() +
-                          "); name a file that --json wrote");
+    refuse(error.what());
   }
   return before;
 }

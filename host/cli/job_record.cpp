@@ -12,6 +12,7 @@
 #include "host/bake/folder.h"
 #include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/json_number.h"
 #include "host/base/json_text.h"
 #include "host/cli/batch_summary.h"
 
@@ -45,8 +46,12 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
     const std::string text =
         base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
     const nlohmann::json json = nlohmann::json::parse(base::shallow_json(text), nullptr, false);
-    JobRecord record{json.at("host"),  json.at("process"),  json.at("device"),         {},
-                     json.at("error"), json.at("warnings"), json.value("settings", "")};
+    const std::optional<pid_t> process = base::whole_number<pid_t>(json.at("process"));
+    // kill() takes others for groups of processes.
+    if (!process || *process < 1) return std::nullopt;
+    JobRecord record{
+        json.at("host"),           *process, json.at("device"), {}, json.at("error"), json.at("warnings"),
+        json.value("settings", "")};
     if (const nlohmann::json& status = json.at("exit_status"); !status.is_null()) {
       if (!is_exit_status(status)) return std::nullopt;
       record.exit_status = status.get<int>();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/file.h"
+#include "host/base/json_number.h"
 #include "host/base/json_text.h"
 #include "host/scene/scene_json.h"
 #include "host/studio/commands.h"
@@ -74,7 +75,9 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     SessionRecord record;
     record.source = json.at("source").get<std::string>();
     record.base_hash = json.at("base_hash").get<std::string>();
-    record.at = json.at("at").get<std::size_t>();
+    const auto at = base::whole_number<std::size_t>(json.at("at"));
+    if (!at) return std::nullopt;
+    record.at = *at;
     record.saved_file = json.at("saved_file").get<std::string>();
     record.saved_hash = json.at("saved_hash").get<std::string>();
     record.saved_text = json.at("saved_text").get<std::string>();
@@ -86,11 +89,11 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
       record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>(), {}});
       if (!step.contains("paint")) continue;
       for (const auto& [key, of_key] : step["paint"].items()) {
-        const auto number = of_key.get<std::size_t>();
-        if (number >= paints.size()) return std::nullopt;
+        const auto number = base::whole_number<std::size_t>(of_key);
+        if (!number || *number >= paints.size()) return std::nullopt;
         // File names are made from the key.
         if (!names_a_paint(key)) return std::nullopt;
-        record.steps.back().paints[key] = paints[number];
+        record.steps.back().paints[key] = paints[*number];
       }
     }
     if (record.at >= record.steps.size()) return std::nullopt;

@@ -31,7 +31,9 @@ TARGETS = {
     "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",
     "start": "a kept start", "manifest": "`manifest.json`", "metrics": "`metrics.csv`",
     "record": "a job's record", "batch": "`batch.json`", "plan": "`plan.json`", "body": "a kept body",
-    "report": "a kept model's report",
+    "report": "a kept model's report", "results": "results of `fascicle bench`",
+    "state": "a solver's saved state", "filling": "the mesher's filling of a surface",
+    "findings": "the mesher's report", "wrap": "the mesher's wrap",
     "message": "messages to the studio", "session": "the studio's `session.json`",
 }
 # No seed is longer. test_fuzz reads long files, by growing seeds to a mebibyte; the fuzzer is faster with short ones.
@@ -52,9 +54,8 @@ PLANTED = {"bone": "heap-buffer-overflow", "fat": "terminate called after throwi
 PAGE = """# Fuzzing
 
 Readers of files from strangers have targets for clang's libFuzzer (`tests/fuzz`). Address, leak and undefined behaviour
-sanitizers run in the same process. These readers have no target: FBX and Collada, which `fascicle-convert` reads with
-assimp in a sandbox; the messages between the program and the mesher; the results that `fascicle bench --against` reads;
-and the states that the library saves and loads, which a test damages.
+sanitizers run in the same process. Only FBX and Collada have no target: `fascicle-convert` reads them with assimp in a
+sandbox. What the mesher returns has targets too: it ran on a stranger's surface.
 
 A reader accepts a file, or refuses it with the exception that its header names and a message of one line. Anything else
 is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a process of

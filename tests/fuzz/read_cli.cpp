@@ -6,6 +6,7 @@
 #include "host/base/json_text.h"
 #include "host/cli/batch_plan.h"
 #include "host/cli/batch_summary.h"
+#include "host/cli/bench_results.h"
 #include "host/cli/job_record.h"
 #include "host/cli/metrics_table.h"
 #include "host/scene/jobs.h"
@@ -50,6 +51,12 @@ bool plan(std::string_view bytes) {
   static const OneFile file(cli::plan_file);
   file.write(bytes);
   return is_taken<base::BakeError>([] { (void)cli::find_plan(file.folder()); });
+}
+
+bool results(std::string_view bytes) {
+  static const OneFile file("bench.json");
+  file.write(bytes);
+  return is_taken<base::BakeError>([] { (void)cli::read_bench_json(file.path()); });
 }
 
 }  // namespace fascicle::fuzz

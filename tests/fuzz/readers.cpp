@@ -28,6 +28,11 @@ std::vector<Reader> readers() {
           {"plan", plan},
           {"body", body},
           {"report", report},
+          {"results", results},
+          {"state", state},
+          {"filling", filling},
+          {"findings", findings},
+          {"wrap", wrap},
           {"message", message},
           {"session", session}};
 }

@@ -38,12 +38,19 @@ bool batch(std::string_view bytes);    // batch.json
 bool plan(std::string_view bytes);     // plan.json of `fascicle batch --emit`
 bool body(std::string_view bytes);     // a built body, in the cache
 bool report(std::string_view bytes);   // of a model in the cache
+bool results(std::string_view bytes);  // of `fascicle bench`, for --against
+bool state(std::string_view bytes);    // a solver's saved state
+// What fascicle-mesher returns for a tetrahedron: the filling, the report and the wrap. The wrap's lengths
+// come before a zero byte.
+bool filling(std::string_view bytes);
+bool findings(std::string_view bytes);
+bool wrap(std::string_view bytes);
 // Messages to the studio, and its session file.
 bool message(std::string_view bytes);
 bool session(std::string_view bytes);
 // The control: reads past its end if the bytes begin with "bone", and throws an undocumented exception if
-// they begin with "fat". It computes an undefined value, leaks, does not end or takes 600 MiB for "overflow",
-// "leak", "endless" and "huge".
+// they begin with "fat" or end with " 1e300". It computes an undefined value, leaks, does not end or takes
+// 600 MiB for "overflow", "leak", "endless" and "huge".
 bool planted(std::string_view bytes);
 
 struct Reader {

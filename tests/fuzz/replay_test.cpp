@@ -17,6 +17,7 @@
 
 #include "tests/fuzz/counted_memory.h"
 #include "tests/fuzz/readers.h"
+#include "tests/fuzz/strange_numbers.h"
 
 namespace fascicle::tests {
 namespace {
@@ -128,6 +129,33 @@ TEST(Readers, TakeOrRefuseDamagedFiles) {
   });
 }
 
+std::string first_flaw_by_a_number(bool (*read)(std::string_view), const std::string& from) {
+  for (const fuzz::NumberPlace& place : fuzz::numbers_in(from))
+    for (const std::string_view number : fuzz::strange_numbers)
+      if (std::string flaw = flaw_of(read, fuzz::with_number(from, place, number)); !flaw.empty())
+        return flaw + " by " + std::string(number) + " at byte " + std::to_string(place.begin);
+  return "";
+}
+
+TEST(Readers, TakeOrRefuseStrangeNumbers) {
+  constexpr std::size_t most_bytes = 8192;  // kept finds are longer, and of one number again and again
+  for_each(corpus(), [&](const Reader& reader, const Seed& seed) {
+    if (seed.bytes.size() > most_bytes) return;
+    EXPECT_EQ(first_flaw_by_a_number(reader.read, seed.bytes), "") << seed.reader << '/' << seed.name;
+  });
+}
+
+TEST(StrangeNumbers, ReplaceEachNumberOfAText) {
+  const std::string text = R"({"a1": -2.5e-3, "b": [7, 12]})";
+  const std::vector<fuzz::NumberPlace> places = fuzz::numbers_in(text);
+  ASSERT_EQ(places.size(), 3U);
+  EXPECT_EQ(fuzz::with_number(text, places[0], "1e300"), R"({"a1": 1e300, "b": [7, 12]})");
+  EXPECT_EQ(fuzz::with_number(text, places[1], "-1"), R"({"a1": -2.5e-3, "b": [-1, 12]})");
+  EXPECT_EQ(fuzz::with_number(text, places[2], "null"), R"({"a1": -2.5e-3, "b": [7, null]})");
+  EXPECT_TRUE(fuzz::numbers_in("-").empty());
+  EXPECT_TRUE(fuzz::numbers_in("").empty());
+}
+
 // Repeats a slice of the file up to a mebibyte, to expose time or memory that is quadratic in the file size.
 // The bounds are those of docs/fuzzing.md, here for memory from `new` only.
 TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
@@ -157,6 +185,7 @@ TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
 TEST(Readers, APlantedFlawIsFound) {
   std::mt19937_64 random(1);
   EXPECT_EQ(first_flaw(fuzz::planted, "fas of the bone", 100'000, random), "planted");
+  EXPECT_EQ(first_flaw_by_a_number(fuzz::planted, "length 5"), "planted number by 1e300 at byte 7");
   // So is memory.
   fuzz::mark_held();
   const std::size_t before = fuzz::most_held_since_mark();

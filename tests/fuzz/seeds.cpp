@@ -10,6 +10,7 @@ std::vector<Seed> seeds() {
   add_bake_seeds(all);
   add_build_seeds(all);
   add_cli_seeds(all);
+  add_api_seeds(all);
   add_studio_seeds(all);
   return all;
 }

@@ -7,6 +7,7 @@
 
 namespace fascicle::fuzz {
 
+void add_api_seeds(std::vector<Seed>& seeds);
 void add_mesh_seeds(std::vector<Seed>& seeds);
 void add_gltf_seeds(std::vector<Seed>& seeds);
 void add_scene_seeds(std::vector<Seed>& seeds);

@@ -25,6 +25,21 @@ void add_build_seeds(std::vector<Seed>& seeds) {
   build::ByteWriter write(bytes);
   write(report);
   seeds.push_back({"report", "two", bytes});
+  const std::string header = "MeshVersionFormatted 2\nDimension 3\n";
+  const std::string corners = "0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n";
+  seeds.push_back({"filling", "one", header + "Vertices\n4\n" + corners + "Tetrahedra\n1\n1 2 3 4 0\nEnd\n"});
+  seeds.push_back({"filling", "inner",
+                   header + "Vertices\n5\n" + corners +
+                       "0.2 0.2 0.2 0\nTetrahedra\n4\n5 2 3 4 0\n1 5 3 4 0\n1 2 5 4 0\n1 2 3 5 0\nEnd\n"});
+  seeds.push_back({"findings", "open",
+                   "parts 1 0\nloose_vertices 0\nflat_triangles 0\nopen_edges 2 0 1 1 2\n"
+                   "non_manifold_edges 0\nnon_manifold_vertices 0\nturned_edges 0\ninverted_parts 0\n"
+                   "intersections 0\ngenus 0\nend\n"});
+  const std::string lengths("alpha 0.02 offset 0.001\0", 24);
+  const std::string outer = "0 0 0\n9 0 0\n0 9 0\n0 0 9\n", inner = "1 1 1\n2 1 1\n1 2 1\n1 1 2\n";
+  seeds.push_back({"wrap", "shells",
+                   lengths + "OFF\n8 8 0\n" + outer + inner +
+                       "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n3 4 6 5\n3 4 5 7\n3 5 6 7\n3 4 7 6\n"});
 }
 
 }  // namespace fascicle::fuzz

@@ -4,6 +4,7 @@
 #include "host/base/helper_program.h"
 #include "host/cli/batch_plan.h"
 #include "host/cli/batch_summary.h"
+#include "host/cli/bench_results.h"
 #include "host/cli/job_record.h"
 #include "host/scene/jobs.h"
 #include "tests/fuzz/seeds.h"
@@ -52,6 +53,21 @@ void add_cli_seeds(std::vector<Seed>& seeds) {
   jobs.jobs = {walk, arm};
   cli::write_plan(folder.path(), "jobs.toml", jobs);
   seeds.push_back({"plan", "two", content_of(folder.path() / cli::plan_file)});
+  cli::BenchRow on_cpu;
+  on_cpu.solver = on_cpu.device = "cpu";
+  on_cpu.integrator = "explicit";
+  on_cpu.vertices = 19456;
+  on_cpu.samples = {31.5, 30.25};
+  cli::BenchRow on_vulkan = on_cpu;
+  on_vulkan.solver = on_vulkan.device = "vulkan";
+  on_vulkan.mesh = "filled";
+  on_vulkan.stages = {{"region", 12.5}};
+  cli::BenchResults results;
+  results.machine.processor = "a processor";
+  results.triad = {{1, 9.5}};
+  results.rows = {on_cpu, on_vulkan};
+  cli::write_bench_json(folder.path() / "bench.json", results);
+  seeds.push_back({"results", "two", content_of(folder.path() / "bench.json")});
 }
 
 }  // namespace fascicle::fuzz

@@ -1,0 +1,90 @@
+// What fascicle-mesher returns: taken as it writes it, and refused in one message otherwise.
+#include "host/build/mesher_replies.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace fascicle::tests {
+namespace {
+
+using mesh::SurfaceMesh;
+using mesh::TetMesh;
+
+template <class Call>
+std::string refusal_of(Call call) {
+  try {
+    call();
+  } catch (const scene::SceneError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string refusal_of_findings(const std::string& text) {
+  return refusal_of([&] { build::parse_findings(text, 4); });
+}
+
+TEST(MesherReplies, FindingsAreCountsAndVertices) {
+  const build::SurfaceFindings found =
+      build::parse_findings("parts 2 0 3\nopen_edges 5 0 1 1 2\nintersections 0\ngenus -1\nend\n", 4);
+  EXPECT_EQ(found.parts.count, 2U);
+  EXPECT_EQ(found.parts.vertices, (std::vector<std::uint32_t>{0, 3}));
+  EXPECT_EQ(found.open_edges.count, 5U);
+  EXPECT_EQ(found.open_edges.vertices, (std::vector<std::uint32_t>{0, 1, 1, 2}));
+  EXPECT_EQ(found.intersections.count, 0U);
+  EXPECT_EQ(found.genus, -1);
+}
+
+TEST(MesherReplies, FindingsThatCannotBeAreRefused) {
+  for (const char* text :
+       {"", "parts 1 0\n", "parts\nend\n", "parts -1\nend\n", "parts 1 zero\nend\n", "parts 1 0 x\nend\n",
+        "parts 99999999999999999999\nend\n", "holes 1\nend\n", "genus\nend\n", "genus two\nend\n"})
+    EXPECT_NE(refusal_of_findings(text).find("its report ends early or cannot be read"), std::string::npos)
+        << text << ": " << refusal_of_findings(text);
+  for (const char* text : {"parts 1 4\nend\n", "parts 1 -1\nend\n", "parts 1 4294967296\nend\n"})
+    EXPECT_NE(refusal_of_findings(text).find("a vertex that does not exist"), std::string::npos)
+        << text << ": " << refusal_of_findings(text);
+}
+
+TEST(MesherReplies, LengthsOfAWrapArePositive) {
+  const build::WrapLengths used = build::parse_wrap_lengths("alpha 0.02 offset 1e-3");
+  EXPECT_EQ(used.alpha, 0.02);
+  EXPECT_EQ(used.offset, 1e-3);
+  for (const char* line : {"", "alpha 0.02", "alpha 0 offset 1", "alpha 1 offset -1", "alpha nan offset 1",
+                           "alpha 1e999 offset 1", "offset 1 alpha 1"})
+    EXPECT_NE(refusal_of([&] { build::parse_wrap_lengths(line); }).find("does not say its alpha and offset"),
+              std::string::npos)
+        << line;
+}
+
+const SurfaceMesh tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                              {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+
+TEST(MesherReplies, AFillingIsTurnedAndLosesUnusedVertices) {
+  TetMesh mesh{tetrahedron.vertices, {{0, 1, 3, 2}}};
+  mesh.vertices.emplace_back(5, 5, 5);
+  build::check_filling(mesh, tetrahedron);
+  EXPECT_EQ(mesh.vertices, tetrahedron.vertices);
+  EXPECT_EQ(mesh.tetrahedra, (std::vector<std::array<std::uint32_t, 4>>{{0, 1, 2, 3}}));
+}
+
+TEST(MesherReplies, AFillingOfAnotherSurfaceIsRefused) {
+  const auto refusal = [](TetMesh mesh) {
+    return refusal_of([&] { build::check_filling(mesh, tetrahedron); });
+  };
+  TetMesh moved{tetrahedron.vertices, {{0, 1, 2, 3}}};
+  moved.vertices[2].x() = 1e-300;
+  EXPECT_NE(refusal(moved).find("vertex 2 of the surface was moved"), std::string::npos) << refusal(moved);
+  const TetMesh few{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
+  EXPECT_NE(refusal(few).find("lacks vertices"), std::string::npos) << refusal(few);
+  const TetMesh none{tetrahedron.vertices, {}};
+  EXPECT_NE(refusal(none).find("is in no tetrahedron"), std::string::npos) << refusal(none);
+  const TetMesh twice{tetrahedron.vertices, {{0, 1, 2, 3}, {0, 1, 2, 3}}};
+  EXPECT_NE(refusal(twice), "accepted");
+  const TetMesh flat{tetrahedron.vertices, {{0, 1, 2, 3}, {0, 1, 2, 2}}};
+  EXPECT_NE(refusal(flat).find("tetrahedron 1 is flat"), std::string::npos) << refusal(flat);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
