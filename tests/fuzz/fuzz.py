@@ -62,9 +62,10 @@ is a flaw: another exception, a read or write out of bounds, a leak, undefined b
 more than %d MiB, or a file that takes more than %d s. The process also holds the sanitizers' shadow memory, the corpus
 and recently freed memory, so a reader itself has less than that.
 
-PNG and our own file formats carry checksums. Their targets correct them, so that the fuzzer gets past them. Each run
-first checks that the fuzzer finds the flaws of a planted reader: a read past its end, an undocumented exception, a
-leak, an undefined value, an endless loop and 600 MiB at once.
+PNG and our own file formats carry checksums. Their targets correct them, so that the fuzzer gets past them. One change
+in sixteen replaces a number in a text, with 1e300, -1 or 2^64 for example; changes of single bytes rarely make these.
+Each run first checks that the fuzzer finds the flaws of a planted reader: a read past its end, an undocumented
+exception, a leak, an undefined value, an endless loop and 600 MiB at once.
 
 Files are at most as long as the table says, because the fuzzer tries short files much faster. No seed is longer.
 `test_fuzz`, which any compiler builds, reads the seeds and all earlier finds, damages them by fixed rules, and extends
