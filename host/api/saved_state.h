@@ -1,7 +1,7 @@
 // The bytes of fascicle_solver_save, for fascicle_solver_load.
 //
 // Little-endian: char[8] "FASCSTP2", the hash of all that follows (32 hex digits), uint64 frame, uint64
-// driver, uint64 count of the pose's numbers, float64 time (s), the last pose given (float64), then a
+// `driven`, uint64 count of the pose's numbers, float64 time (s), the last pose given (float64), then a
 // checkpoint's bytes (host/bake/checkpoint.h) with the identity of the model and the solver's options.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace fascicle::api {
 
-// What moves a solver.
+// What moves a solver. The numbers are part of the format.
 enum class Driven { no, by_clip, by_poses, by_drives };
 
 struct SavedState {

@@ -240,14 +240,16 @@ bool follows(const std::string& name, const std::vector<Difference>& differences
   });
 }
 
-// A list of numbers may be as long as a mesh.
+// A list of numbers may be as long as a mesh, and a file may give any text.
 std::string shown(const std::string& value) {
   constexpr std::size_t longest = 80;
-  if (value.empty()) return "nothing";
-  if (value.size() <= longest) return value;
+  if (value.size() <= longest) return base::shown_text(value);
   std::size_t end = longest;
   while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xc0u) == 0x80u) --end;
-  return value.substr(0, end) + "...";
+  return base::shown_text(value.substr(0, end)) + "...";
+}
+std::string shown_value(const std::string& value) {
+  return value.empty() ? "nothing" : shown(value);
 }
 
 }  // namespace
@@ -256,7 +258,8 @@ std::string text_of(const std::vector<Difference>& differences) {
   std::string text;
   for (const Difference& one : differences)
     if (!follows(one.name, differences))
-      text += (text.empty() ? "" : "; ") + one.name + " was " + shown(one.was) + " and is " + shown(one.is);
+      text += (text.empty() ? "" : "; ") + shown(one.name) + " was " + shown_value(one.was) + " and is " +
+              shown_value(one.is);
   return text;
 }
 

@@ -106,11 +106,13 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
   const auto column = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(header->begin(), header->end(), name) - header->begin());
   };
-  if (!header || column(look_column) == header->size()) return std::nullopt;
+  if (!header) return std::nullopt;
   const std::size_t worst = column(look_column), joint = column(look_joint_column);
+  if (worst == header->size() || joint == header->size()) return std::nullopt;
   std::array<std::size_t, look_measures> columns{};
   for (std::size_t m = 0; m < look_measures; ++m)
     columns[m] = column(std::string(look_column) + '_' + name_of(static_cast<LookMeasure>(m)));
+  if (std::find(columns.begin(), columns.end(), header->size()) != columns.end()) return std::nullopt;
   const std::size_t overlap = column(deepest_skinned_column);
   std::vector<double> driven;  // m, per frame
 

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <iterator>
 #include <locale>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <string.h>
@@ -22,6 +24,8 @@ using mesh::SurfaceMesh;
 using mesh::TetMesh;
 using scene::SceneError;
 
+constexpr std::size_t kinds_of_findings = 9;
+
 Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
   if (name == "parts") return &findings.parts;
   if (name == "loose_vertices") return &findings.loose_vertices;
@@ -33,6 +37,10 @@ Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
   if (name == "inverted_parts") return &findings.inverted_parts;
   if (name == "intersections") return &findings.intersections;
   return nullptr;
+}
+
+[[noreturn]] void fail_report() {
+  fail_result("its report ends early or cannot be read");
 }
 
 // TetGen orients all tetrahedra the same way; ours have positive volume. One that differs from the rest, or
@@ -118,6 +126,7 @@ void check_filling(TetMesh& mesh, const SurfaceMesh& surface) {
 
 SurfaceFindings parse_findings(const std::string& text, std::size_t vertex_count) {
   SurfaceFindings findings;
+  std::set<std::string> read;
   std::istringstream lines(text);
   std::string line;
   while (std::getline(lines, line)) {
@@ -125,24 +134,31 @@ SurfaceFindings parse_findings(const std::string& text, std::size_t vertex_count
     words.imbue(std::locale::classic());
     std::string name;
     words >> name;
-    if (name == "end") return findings;
-    if (name == "genus") {
-      if (!(words >> findings.genus)) break;
+    if (name == "end" && read.size() == kinds_of_findings + 1) return findings;
+    Finding* finding = finding_of(findings, name);
+    if ((finding == nullptr && name != "genus") || !read.insert(name).second) break;
+    // Signed: a stream would read -1 as the largest unsigned number.
+    std::vector<std::int64_t> numbers;
+    while (!(words >> std::ws).eof()) {
+      std::int64_t number = 0;
+      if (!(words >> number)) fail_report();
+      numbers.push_back(number);
+    }
+    if (numbers.empty()) break;
+    if (finding == nullptr) {
+      if (numbers.size() != 1) break;
+      findings.genus = numbers[0];
       continue;
     }
-    Finding* finding = finding_of(findings, name);
-    // Signed: a stream would read -1 as the largest unsigned number.
-    std::int64_t count = 0;
-    if (finding == nullptr || !(words >> count) || count < 0) break;
-    finding->count = static_cast<std::uint64_t>(count);
-    for (std::int64_t v = 0; words >> v;) {
-      if (v < 0 || static_cast<std::uint64_t>(v) >= vertex_count)
+    if (numbers[0] < 0) break;
+    finding->count = static_cast<std::uint64_t>(numbers[0]);
+    for (std::size_t k = 1; k < numbers.size(); ++k) {
+      if (!std::in_range<std::uint32_t>(numbers[k]) || static_cast<std::uint64_t>(numbers[k]) >= vertex_count)
         fail_result("its report names a vertex that does not exist");
-      finding->vertices.push_back(static_cast<std::uint32_t>(v));
+      finding->vertices.push_back(static_cast<std::uint32_t>(numbers[k]));
     }
-    if (!words.eof()) break;
   }
-  fail_result("its report ends early or cannot be read");
+  fail_report();
 }
 
 WrapLengths parse_wrap_lengths(const std::string& line) {

@@ -20,6 +20,9 @@ constexpr double weld_of_diagonal = 1e-9;
 // A cell is many tolerances wide, so that a vertex rarely has to check a second one.
 constexpr double cell_in_tolerances = 1024.0;
 
+// Of a coordinate, so that squares of lengths stay finite.
+constexpr double farthest = 1e100;
+
 void check_surface(const SurfaceMesh& surface, const std::string& source) {
   if (surface.triangles.empty()) fail(source, "mesh: there are no triangles");
   std::vector<std::uint32_t> bad;
@@ -27,6 +30,11 @@ void check_surface(const SurfaceMesh& surface, const std::string& source) {
     if (!surface.vertices[i].allFinite()) bad.push_back(i);
   if (!bad.empty())
     fail(source, "mesh: coordinates are not finite at vertex " + list_of(bad) + " (counted from 0)");
+  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)
+    if (surface.vertices[i].cwiseAbs().maxCoeff() > farthest) bad.push_back(i);
+  if (!bad.empty())
+    fail(source,
+         "mesh: coordinates are above 1e100 at vertex " + list_of(bad) + " (counted from 0); scale it");
   for (std::uint32_t k = 0; k < surface.triangles.size(); ++k)
     for (const std::uint32_t corner : surface.triangles[k])
       if (corner >= surface.vertices.size()) bad.push_back(k);

@@ -147,6 +147,7 @@ Wrap wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order, cons
     try {
       wrap.surface = mesh::read_surface_mesh(out);
       drop_inner_shells(wrap.surface);
+      if (wrap.surface.triangles.empty()) fail_result("its wrap has no triangles");
       return wrap;
     } catch (const SceneError& error) {
       std::string what = error.what();

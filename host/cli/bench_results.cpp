@@ -149,7 +149,7 @@ BenchBefore read_bench_json(const std::filesystem::path& file) {
   };
   const auto count_of = [&](const Json& entry, const char* name) {
     const auto count = base::whole_number<std::uint32_t>(entry.at(name));
-    if (!count) refuse(std::string(name) + " must be a whole number");
+    if (!count) refuse(std::string(name) + " must be a whole number below 2^32");
     return *count;
   };
   BenchBefore before;

@@ -47,7 +47,7 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
         base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
     const nlohmann::json json = nlohmann::json::parse(base::shallow_json(text), nullptr, false);
     const std::optional<pid_t> process = base::whole_number<pid_t>(json.at("process"));
-    // kill() takes others for groups of processes.
+    // kill() takes numbers below 1 for groups of processes.
     if (!process || *process < 1) return std::nullopt;
     JobRecord record{
         json.at("host"),           *process, json.at("device"), {}, json.at("error"), json.at("warnings"),

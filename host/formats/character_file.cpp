@@ -11,6 +11,7 @@
 #include "host/formats/joined_document.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
+#include "host/gltf/gltf_material.h"
 #include "host/rig/blend_shapes.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
@@ -305,8 +306,7 @@ gltf::Rig read_kept_rig(const std::filesystem::path& character, const model::Mod
 bool has_baked_clip(const json& document) {
   const auto animations = document.find("animations");
   if (animations == document.end() || !animations->is_array() || animations->empty()) return false;
-  const json& extras = (*animations)[0].value("extras", json());
-  return extras.is_object() && extras.contains(baked_mark);
+  return !gltf::json_member(gltf::json_member((*animations)[0], "extras"), baked_mark).is_null();
 }
 
 std::string character_glb(const scene::Scene& scene, const model::Model& model, const TimeOfFrame& time,

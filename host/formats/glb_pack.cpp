@@ -110,7 +110,7 @@ std::pair<PackedView, std::vector<unsigned char>> pack(std::vector<unsigned char
   if (content.stays || content.accessors == 0 || (content.is_indices && content.is_numbers)) return {};
   const std::size_t size = *content.sizes.begin();
   if (content.is_indices) {
-    if (content.sizes.size() != 1 || size == 1 || bytes.size() < size) return {};
+    if (content.sizes.size() != 1 || (size != 2 && size != 4) || bytes.size() < size) return {};
     bytes.resize(bytes.size() / size * size);
     packed.stride = size;
     packed.count = bytes.size() / size;

@@ -33,6 +33,7 @@
 #include "host/formats/surface_normals.h"
 #include "host/formats/surface_objects.h"
 #include "host/formats/uneven_joints.h"
+#include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_file.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
@@ -111,12 +112,13 @@ void GlbSink::read_character(const BakeInfo& info) {
     return;
   }
   gltf::GltfFile file = gltf::read_gltf_file(info.character);
-  document_.json = std::move(file.document);
+  const bool has_binary = file.has_binary;
   document_.binary.assign(file.binary.begin(), file.binary.end());
+  document_.json = gltf::check_gltf(std::move(file)).plain;
   rig_ = read_kept_rig(info.character, model);
   // The buffer becomes the start of surface.glb's buffer.
   const json& buffers = document_.json["buffers"];
-  if (!file.has_binary || buffers.size() != 1 || buffers[0].contains("uri"))
+  if (!has_binary || buffers.size() != 1 || buffers[0].contains("uri"))
     throw base::BakeError(info.character.string() +
                           ": its bytes are not all in one buffer of the file; bake again with --overwrite");
 }
@@ -387,7 +389,9 @@ void GlbSink::finish() {
   const std::vector<std::size_t> meshes = own_meshes(document, rig_);
   if (compression_) compression_->quantise(document_, meshes);
   add_targets(document, meshes);
+  if (!document["extras"].is_object()) document["extras"] = json::object();
   json& extras = document["extras"]["fascicle"];
+  if (!extras.is_object()) extras = json::object();
   extras["first_frame"] = info_.first_number;
   extras["interpolation_error"] = choice_->error();
   if (compression_) extras["quantisation_error"] = compression_->error();

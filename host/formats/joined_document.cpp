@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/json_number.h"
+
 namespace fascicle::formats {
 
 using nlohmann::json;
@@ -22,14 +24,15 @@ std::size_t count_of(const json& document, const char* list) {
 
 void shift(json& object, const char* key, std::size_t by) {
   const auto found = object.find(key);
-  if (found != object.end() && found->is_number_integer()) *found = found->get<std::size_t>() + by;
+  if (found == object.end()) return;
+  if (const auto number = base::whole_number<std::size_t>(*found)) *found = *number + by;
 }
 
 void shift_each(json& object, const char* key, std::size_t by) {
   const auto found = object.find(key);
   if (found == object.end()) return;
   for (json& number : *found)
-    if (number.is_number_integer()) number = number.get<std::size_t>() + by;
+    if (const auto own = base::whole_number<std::size_t>(number)) number = *own + by;
 }
 
 // Texture indices in a material and its extensions: {"index": n}.

@@ -5,6 +5,7 @@
 
 #include "host/formats/character_file.h"
 #include "host/gltf/gltf_file.h"
+#include "host/gltf/gltf_material.h"
 #include "host/gltf/gltf_shapes.h"
 #include "host/rig/pose.h"
 
@@ -18,9 +19,9 @@ using Eigen::Vector3d;
 using nlohmann::json;
 
 bool has_targets(const json& document) {
-  for (const json& mesh : document.value("meshes", json::array()))
-    for (const json& primitive : mesh.value("primitives", json::array()))
-      if (primitive.contains("targets")) return true;
+  for (const json& mesh : gltf::json_member(document, "meshes"))
+    for (const json& primitive : gltf::json_member(mesh, "primitives"))
+      if (!gltf::json_member(primitive, "targets").is_null()) return true;
   return false;
 }
 

@@ -1,5 +1,6 @@
-// The steps of the check, in three files: gltf_check_data.cpp (buffers, views, accessors),
-// gltf_check_compressed.cpp (compressed data) and gltf_check.cpp (what is built from them).
+// The steps of the check, in four files: gltf_check_data.cpp (buffers, views, accessors),
+// gltf_check_compressed.cpp (compressed data), gltf_check.cpp (what is built from them) and
+// gltf_check_passed_on.cpp (what only output files need).
 #pragma once
 
 #include <cstdint>
@@ -51,6 +52,7 @@ class GltfCheck {
     nodes();
     scenes();
     animations();
+    pass_on();
     checked_.document = std::move(out_);
     checked_.plain = std::move(file_.document);
     return std::move(checked_);
@@ -175,6 +177,7 @@ class GltfCheck {
   void scenes();
   void animations();
   json animation(const GltfPlace& place);
+  void pass_on();
 
   struct View {
     std::uint64_t length, stride;

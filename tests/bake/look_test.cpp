@@ -361,6 +361,25 @@ TEST(LookReport, SaysWhatWhereAndWhen) {
   EXPECT_TRUE(contains(summary->warnings[1], "2 frames are over"));
 }
 
+// The file may be a stranger's: a bake that is resumed reads it.
+TEST(LookReport, IsNothingWithoutAColumn) {
+  const TemporaryFolder folder;
+  const model::Model model = bar_with_skin();
+  const std::vector<std::string> columns{"look",          "worst_joint", "look_stretch", "look_crossing",
+                                         "look_distance", "look_rigid",  "look_jump",    "look_inverted"};
+  for (const std::string& missing : columns) {
+    std::string header = "frame", row = "0";
+    for (const std::string& column : columns)
+      if (column != missing) {
+        header += "," + column;
+        row += ",2";
+      }
+    write_text(folder / "metrics.csv", header + "\n" + row + "\n");
+    const auto frame_at = [&](std::uint64_t k) { return frame_of(model, still, still, k); };
+    EXPECT_FALSE(bake::look_summary(folder / "", model, nullptr, 60.0, frame_at)) << missing;
+  }
+}
+
 TEST(LookReport, CountsHaveWholeLimits) {
   bake::LookScore score;
   score.value = 377;

@@ -200,6 +200,16 @@ TEST(Identity, OfDevicesIsTheSameForTheSameBits) {
     EXPECT_NE(bake::identity_of(inexact), bake::identity_of(device));
 }
 
+// A stranger's checkpoint may hold any text.
+TEST(Identity, OfFilesIsShownInOneLine) {
+  const bake::Identity now{{"scene", "a"}};
+  const bake::Identity before{{"scene", "b\n\x1b[2J"}, {std::string(200, 'n') + "\n", ""}};
+  const std::string text = bake::text_of(bake::differences(before, now));
+  EXPECT_NE(text.find("scene was b"), std::string::npos) << text;
+  EXPECT_TRUE(std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < ' '; })) << text;
+  EXPECT_LT(text.size(), 400U) << text;
+}
+
 TEST(BakeResume, StartsWhereThereIsNothing) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");

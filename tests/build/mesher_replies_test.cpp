@@ -21,13 +21,25 @@ std::string refusal_of(Call call) {
   return "accepted";
 }
 
+// A report in which the line of `name` is another; empty: left out.
+std::string report_with(const std::string& name, const std::string& line) {
+  std::string text;
+  for (const std::string one :
+       {"parts 1 0", "loose_vertices 0", "flat_triangles 0", "open_edges 5 0 1 1 2", "non_manifold_edges 0",
+        "non_manifold_vertices 0", "turned_edges 0", "inverted_parts 0", "intersections 0", "genus -1"})
+    if (!one.starts_with(name + ' '))
+      text += one + '\n';
+    else if (!line.empty())
+      text += line + '\n';
+  return text + "end\n";
+}
+
 std::string refusal_of_findings(const std::string& text) {
   return refusal_of([&] { build::parse_findings(text, 4); });
 }
 
 TEST(MesherReplies, FindingsAreCountsAndVertices) {
-  const build::SurfaceFindings found =
-      build::parse_findings("parts 2 0 3\nopen_edges 5 0 1 1 2\nintersections 0\ngenus -1\nend\n", 4);
+  const build::SurfaceFindings found = build::parse_findings(report_with("parts", "parts 2 0 3"), 4);
   EXPECT_EQ(found.parts.count, 2U);
   EXPECT_EQ(found.parts.vertices, (std::vector<std::uint32_t>{0, 3}));
   EXPECT_EQ(found.open_edges.count, 5U);
@@ -37,14 +49,20 @@ TEST(MesherReplies, FindingsAreCountsAndVertices) {
 }
 
 TEST(MesherReplies, FindingsThatCannotBeAreRefused) {
-  for (const char* text :
-       {"", "parts 1 0\n", "parts\nend\n", "parts -1\nend\n", "parts 1 zero\nend\n", "parts 1 0 x\nend\n",
-        "parts 99999999999999999999\nend\n", "holes 1\nend\n", "genus\nend\n", "genus two\nend\n"})
+  std::vector<std::string> texts{"", "end\n", "parts 1 0\n", report_with("parts", "")};
+  for (const char* line :
+       {"parts", "parts -1", "parts 1 zero", "parts 1 0 x", "parts 1 -", "parts 1 0 99999999999999999999",
+        "parts 99999999999999999999", "parts 1 0\nparts 1 0", "holes 1"})
+    texts.push_back(report_with("parts", line));
+  for (const char* line : {"genus", "genus two", "genus 1.5", "genus 1 x", "genus 1 2"})
+    texts.push_back(report_with("genus", line));
+  for (const std::string& text : texts)
     EXPECT_NE(refusal_of_findings(text).find("its report ends early or cannot be read"), std::string::npos)
         << text << ": " << refusal_of_findings(text);
-  for (const char* text : {"parts 1 4\nend\n", "parts 1 -1\nend\n", "parts 1 4294967296\nend\n"})
-    EXPECT_NE(refusal_of_findings(text).find("a vertex that does not exist"), std::string::npos)
-        << text << ": " << refusal_of_findings(text);
+  for (const char* line : {"parts 1 4", "parts 1 -1", "parts 1 4294967296"})
+    EXPECT_NE(refusal_of_findings(report_with("parts", line)).find("a vertex that does not exist"),
+              std::string::npos)
+        << line << ": " << refusal_of_findings(report_with("parts", line));
 }
 
 TEST(MesherReplies, LengthsOfAWrapArePositive) {
@@ -80,8 +98,9 @@ TEST(MesherReplies, AFillingOfAnotherSurfaceIsRefused) {
   EXPECT_NE(refusal(few).find("lacks vertices"), std::string::npos) << refusal(few);
   const TetMesh none{tetrahedron.vertices, {}};
   EXPECT_NE(refusal(none).find("is in no tetrahedron"), std::string::npos) << refusal(none);
-  const TetMesh twice{tetrahedron.vertices, {{0, 1, 2, 3}, {0, 1, 2, 3}}};
-  EXPECT_NE(refusal(twice), "accepted");
+  TetMesh larger{tetrahedron.vertices, {{0, 1, 2, 3}, {1, 2, 3, 4}}};
+  larger.vertices.emplace_back(1, 1, 1);
+  EXPECT_NE(refusal(larger).find("its outside is not the surface"), std::string::npos) << refusal(larger);
   const TetMesh flat{tetrahedron.vertices, {{0, 1, 2, 3}, {0, 1, 2, 2}}};
   EXPECT_NE(refusal(flat).find("tetrahedron 1 is flat"), std::string::npos) << refusal(flat);
 }

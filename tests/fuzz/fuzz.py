@@ -39,6 +39,8 @@ TARGETS = {
 # No seed is longer. test_fuzz reads long files, by growing seeds to a mebibyte; the fuzzer is faster with short ones.
 MOST_BYTES = 8192
 MOST_MEBIBYTES, MOST_SECONDS = 512, 10
+# Of all variants of a seed, a few thousand.
+MOST_SECONDS_OF_NUMBERS = 600
 # The entropic schedule tracks rare features, which takes most of the time for a reader with many. Without it gltf reads
 # 2.5 times as many files per second, and reaches as much code in a minute.
 SCHEDULE = ("-entropic=0",)
@@ -46,7 +48,7 @@ SCHEDULE = ("-entropic=0",)
 # reaches as much code in half a minute (three seeds).
 # A long run goes in pieces, so that it can be stopped: files of one process.
 PIECE = 250000
-CONTROL, RUNS_OF_CONTROL = "planted", 2000000
+CONTROL, CONTROL_OF_NUMBERS, RUNS_OF_CONTROL = "planted", "planted_number", 2000000
 # {file that exposes a flaw of the planted reader: what the fuzzer must say}
 PLANTED = {"bone": "heap-buffer-overflow", "fat": "terminate called after throwing", "leak": "detected memory leaks",
            "overflow": "signed integer overflow", "endless": "timeout after", "huge": "out-of-memory"}
@@ -54,8 +56,8 @@ PLANTED = {"bone": "heap-buffer-overflow", "fat": "terminate called after throwi
 PAGE = """# Fuzzing
 
 Readers of files from strangers have targets for clang's libFuzzer (`tests/fuzz`). Address, leak and undefined behaviour
-sanitizers run in the same process. Only FBX and Collada have no target: `fascicle-convert` reads them with assimp in a
-sandbox. What the mesher returns has targets too: it ran on a stranger's surface.
+sanitizers run in the same process. What the mesher returns has targets too: it ran on a stranger's surface. FBX and
+Collada have none: `fascicle-convert` reads them with assimp in a sandbox.
 
 A reader accepts a file, or refuses it with the exception that its header names and a message of one line. Anything else
 is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a process of
@@ -64,8 +66,9 @@ and recently freed memory, so a reader itself has less than that.
 
 PNG and our own file formats carry checksums. Their targets correct them, so that the fuzzer gets past them. One change
 in sixteen replaces a number in a text, with 1e300, -1 or 2^64 for example; changes of single bytes rarely make these.
-Each run first checks that the fuzzer finds the flaws of a planted reader: a read past its end, an undocumented
-exception, a leak, an undefined value, an endless loop and 600 MiB at once.
+Before the fuzzer starts, each number of each seed is replaced in all these ways. Each run first checks that the fuzzer
+finds the flaws of planted readers: a read past the end, an undocumented exception, also of a replaced number, a leak,
+an undefined value, an endless loop and 600 MiB at once.
 
 Files are at most as long as the table says, because the fuzzer tries short files much faster. No seed is longer.
 `test_fuzz`, which any compiler builds, reads the seeds and all earlier finds, damages them by fixed rules, and extends
@@ -108,7 +111,7 @@ def fuzzed(target, k, ends, temporary):
     log = os.path.join(BUILD, "logs", "%s%s.txt" % (target, "-%d" % k if k else ""))
     with open(log, "w") as file:
         done = subprocess.run(
-            command(target, "-max_len=%d" % MOST_BYTES, "-print_final_stats=1",
+            command(target, "-max_len=%d" % MOST_BYTES, "-len_control=100", "-print_final_stats=1",
                     "-reduce_inputs=1", *SCHEDULE, *ends, corpus, *begin_with),
             stdout=file, stderr=file, env=environment(temporary))
     with open(log, errors="replace") as file:
@@ -156,9 +159,25 @@ class SoFar:
             os.remove(self.path)
 
 
+def each_number_is_read(target, temporary):
+    """Whether the target reads its seeds with each number in them replaced. The fuzzer meets few of these by chance."""
+    folder = os.path.join(BUILD, "seeds", target)
+    log = os.path.join(BUILD, "logs", target + "-numbers.txt")
+    with open(log, "w") as file:
+        done = subprocess.run(command(target, "-timeout=%d" % MOST_SECONDS_OF_NUMBERS,
+                                      *sorted(os.path.join(folder, name) for name in os.listdir(folder))),
+                              stdout=file, stderr=file,
+                              env={**environment(temporary), "FASCICLE_FUZZ_EACH_NUMBER": "1"})
+    if done.returncode:
+        print("%s: a strange number in a seed: all of it: %s" % (target, log), file=sys.stderr, flush=True)
+    return done.returncode == 0
+
+
 def run(target, asked, temporary):
     """(target, processes, files, seconds, peak MiB of one process, slowest file in s, flaws) of one target."""
     os.makedirs(os.path.join(BUILD, "corpus", target), exist_ok=True)
+    if not each_number_is_read(target, temporary):
+        return (target, asked.processes, 0, 0, 0, 0, 1)
     n = asked.processes
     so_far = SoFar(target, goes_on=bool(asked.runs))
     stops = time.monotonic() + asked.seconds if asked.seconds else None
@@ -201,6 +220,22 @@ def control_is_found(temporary):
         print("control: not found in %d files" % RUNS_OF_CONTROL, file=sys.stderr)
         return False
     print("%-10s %10d files until it was found" % ("control", last(r"^#(\d+)\b", search.stderr)), flush=True)
+    return number_is_found(temporary)
+
+
+def number_is_found(temporary):
+    """Controls: the flaw of the reader of a number is found, by the fuzzer and among all replaced numbers."""
+    folder = tempfile.mkdtemp(dir=temporary)
+    seed = os.path.join(folder, "seed")
+    with open(seed, "w") as file:
+        file.write("length 5")
+    for arguments, each in ((["-max_len=16", "-runs=%d" % RUNS_OF_CONTROL, folder], {}),
+                            ([seed], {"FASCICLE_FUZZ_EACH_NUMBER": "1"})):
+        found = subprocess.run(command(CONTROL_OF_NUMBERS, *arguments), capture_output=True, text=True,
+                               errors="replace", env={**environment(temporary), **each})
+        if found.returncode == 0 or "planted number" not in found.stderr:
+            print("control: the planted number was not found\n%s" % found.stderr, file=sys.stderr)
+            return False
     return True
 
 

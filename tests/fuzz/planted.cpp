@@ -28,9 +28,13 @@ bool planted(std::string_view bytes) {
   while (of_bone < bone.size() && of_bone < bytes.size() && bytes[of_bone] == bone[of_bone]) ++of_bone;
   while (of_fat < fat.size() && of_fat < bytes.size() && bytes[of_fat] == fat[of_fat]) ++of_fat;
   if (is_flawed(bytes)) return true;
-  if (bytes.ends_with(" 1e300")) throw std::runtime_error("planted number");
   if (of_fat == fat.size()) throw std::runtime_error("planted");
   return of_bone == bone.size() && bytes.data()[bytes.size()] == 'x';
+}
+
+bool planted_number(std::string_view bytes) {
+  if (bytes == "length 1e300") throw std::runtime_error("planted number");
+  return true;
 }
 
 }  // namespace fascicle::fuzz

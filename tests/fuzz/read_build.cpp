@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <stdexcept>
+
 #include "host/base/errors.h"
 #include "host/build/byte_archive.h"
 #include "host/build/filled_body.h"
@@ -67,6 +70,9 @@ bool wrap(std::string_view bytes) {
     (void)build::parse_wrap_lengths(std::string(bytes.substr(0, end)));
     mesh::SurfaceMesh surface = mesh::read_off("wrap.off", bytes.substr(std::min(end + 1, bytes.size())));
     build::drop_inner_shells(surface);
+    for (const auto& t : surface.triangles)
+      for (const std::uint32_t v : t)
+        if (v >= surface.vertices.size()) throw std::logic_error("a triangle of a vertex that was dropped");
   });
 }
 

@@ -9,6 +9,9 @@
 #include "host/cli/bench_results.h"
 #include "host/cli/job_record.h"
 #include "host/cli/metrics_table.h"
+#include "host/cli/worst_frames.h"
+#include "host/model/model.h"
+#include "host/page/curves.h"
 #include "host/scene/jobs.h"
 #include "tests/fuzz/one_file.h"
 #include "tests/fuzz/readers.h"
@@ -18,7 +21,17 @@ namespace fascicle::fuzz {
 
 bool metrics(std::string_view bytes) {
   static const OneFile file(bake::metrics_name);
+  static const fascicle::model::Model model = [] {
+    fascicle::model::Model made;
+    made.joint_count = 1;
+    made.layers.resize(1);
+    made.layers[0].name = "fat";
+    return made;
+  }();
   file.write(bytes);
+  (void)is_taken<base::BakeError>([] { (void)cli::read_frame_scores(file.folder()); });
+  (void)is_taken<base::BakeError>([] { (void)page::read_curves(file.folder(), 100); });
+  (void)bake::peak_lags(file.folder(), model);
   return is_taken<base::BakeError>([] { (void)cli::read_metrics_table(file.folder()); });
 }
 

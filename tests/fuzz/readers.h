@@ -49,9 +49,11 @@ bool wrap(std::string_view bytes);
 bool message(std::string_view bytes);
 bool session(std::string_view bytes);
 // The control: reads past its end if the bytes begin with "bone", and throws an undocumented exception if
-// they begin with "fat" or end with " 1e300". It computes an undefined value, leaks, does not end or takes
+// they begin with "fat". It computes an undefined value, leaks, does not end or takes
 // 600 MiB for "overflow", "leak", "endless" and "huge".
 bool planted(std::string_view bytes);
+// The control for replaced numbers: throws for "length 1e300".
+bool planted_number(std::string_view bytes);
 
 struct Reader {
   std::string name;

@@ -22,6 +22,9 @@ std::string content_of(const std::filesystem::path& path) {
 void add_cli_seeds(std::vector<Seed>& seeds) {
   seeds.push_back(
       {"metrics", "two", "frame,time,volume,tip_x\n0,0,0.0625,1e-3\n1,0.016666666666666666,0.06,nan\n"});
+  seeds.push_back({"metrics", "look",
+                   "frame,kinetic_energy,lag_fat,inverted,look,worst_joint,look_stretch\n"
+                   "0,1e-3,0.01,2,0.2,\"upper, left\",0.2\n1,2e-3,0.02,3,1.5,hand,1.5\n"});
   seeds.push_back({"metrics", "quoted", "frame,\"a \"\"name\"\", of two\"\n0,1\n"});
   const base::TemporaryFolder folder;
   cli::write_job_record(folder.path(), "job",

@@ -25,9 +25,16 @@ GltfBuilder painted_column() {
   b.document["materials"] = {{{"name", "skin"},
                               {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                               {"alphaMode", "MASK"}}};
-  b.document["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  b.document["textures"] = {{{"source", 0}, {"sampler", 0}}, {{"source", 1}}};
   b.document["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
-  b.document["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}}};
+  primitive["attributes"]["NORMAL"] = b.add<float>("VEC3", std::vector<float>(36, 1.0f));
+  const std::size_t image =
+      b.add_view(std::vector<std::uint8_t>{0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a});
+  b.document["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}},
+                          {{"bufferView", image}, {"mimeType", "image/png"}}};
+  b.document["extensionsUsed"] = {"KHR_lights_punctual"};
+  b.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  b.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
   return b;
 }
 
@@ -38,6 +45,9 @@ void add_gltf_seeds(std::vector<Seed>& seeds) {
   seeds.push_back({"gltf", "column.gltf", tests::column().with_data_uri().dump()});
   seeds.push_back({"gltf", "shapes.glb", text_of(tests::column_with_shapes().glb())});
   seeds.push_back({"gltf", "painted.glb", text_of(painted_column().glb())});
+  // Numbers in a text can be replaced by longer ones.
+  seeds.push_back({"gltf", "shapes.gltf", tests::column_with_shapes().with_data_uri().dump()});
+  seeds.push_back({"gltf", "painted.gltf", painted_column().with_data_uri().dump()});
   seeds.push_back({"gltf", "meshopt.gltf", tests::with_meshopt(tests::column()).dump()});
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
     seeds.push_back(

@@ -10,17 +10,19 @@
 
 namespace fascicle::fuzz {
 
-// Too large for any integer, for 64 bits, for 32 bits; negative; with a fraction; too small for a normal
-// number; no number at all.
-inline constexpr std::array<std::string_view, 12> strange_numbers{"1e300",
+// Too large for a double, any integer, 64 bits, 32 bits; negative; the largest of 32 bits, which often means
+// "none"; zero; with a fraction; too small for a normal number; no number at all.
+inline constexpr std::array<std::string_view, 14> strange_numbers{"1e999",
+                                                                  "1e300",
                                                                   "-1e300",
-                                                                  "1e999",
                                                                   "18446744073709551616",
                                                                   "-9223372036854775809",
                                                                   "9223372036854775807",
-                                                                  "-1",
                                                                   "4294967296",
                                                                   "2147483648",
+                                                                  "-1",
+                                                                  "4294967295",
+                                                                  "0",
                                                                   "0.5",
                                                                   "1e-320",
                                                                   "null"};

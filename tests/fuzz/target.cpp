@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/fuzz/readers.h"
@@ -17,7 +20,6 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t size, s
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t size, std::size_t most,
                                                unsigned seed) {
   std::minstd_rand random(seed);
-  random.discard(1);  // the first value is nearly the seed
   if (random() % 16 != 0) return LLVMFuzzerMutate(bytes, size, most);
   const std::string text(bytes, bytes + size);
   const std::vector<NumberPlace> places = fascicle::fuzz::numbers_in(text);
@@ -30,7 +32,19 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t 
   return changed.size();
 }
 
+// With FASCICLE_FUZZ_EACH_NUMBER, reads the file with each of its numbers replaced by each strange one
+// instead. The last line of the log then says which.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  fascicle::fuzz::FASCICLE_FUZZ_READER({reinterpret_cast<const char*>(bytes), size});
+  static const bool has_each_number = std::getenv("FASCICLE_FUZZ_EACH_NUMBER") != nullptr;
+  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
+  if (!has_each_number) {
+    fascicle::fuzz::FASCICLE_FUZZ_READER(text);
+    return 0;
+  }
+  for (const NumberPlace& place : fascicle::fuzz::numbers_in(text))
+    for (const std::string_view number : fascicle::fuzz::strange_numbers) {
+      std::fprintf(stderr, "byte %zu: %.*s\n", place.begin, static_cast<int>(number.size()), number.data());
+      fascicle::fuzz::FASCICLE_FUZZ_READER(fascicle::fuzz::with_number(text, place, number));
+    }
   return 0;
 }

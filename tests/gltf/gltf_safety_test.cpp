@@ -553,5 +553,35 @@ TEST(LyingFile, what_is_no_glTF_at_all) {
   EXPECT_THROW(gltf::read_gltf(large), base::SceneError);
 }
 
+// Files made from a character copy what is not needed to read it, and change its indices.
+TEST(GltfSafety, WhatIsPassedOnHasOnlyValidIndices) {
+  GltfBuilder b = column_with_shapes();
+  const std::size_t normals = b.add<float>("VEC3", std::vector<float>(36, 1.0f));
+  primitive(b)["attributes"].update({{"NORMAL", normals},
+                                     {"TANGENT", 4000000},
+                                     {"TEXCOORD_0", 1e300},
+                                     {"TEXCOORD_1", "x"},
+                                     {"TEXCOORD_2", -1}});
+  primitive(b)["targets"][0]["NORMAL"] = nullptr;
+  b.document["images"] = {{{"bufferView", 1000000000}}, {{"bufferView", -1}}, {{"bufferView", 0}}, 7};
+  b.document["materials"] = {{{"name", "skin"}}, 7};
+  b.document["cameras"] = "none";
+  b.document["extensionsUsed"] = {"KHR_materials_unlit", 7};
+  b.document["extensions"] = {{"KHR_lights_punctual", 3}};
+  const TemporaryFolder folder;
+  std::vector<std::string> missing;
+  const json packed = gltf::pack_gltf(folder.write("a.gltf", b.with_data_uri().dump()), missing).json;
+  const json& kept = packed["meshes"][0]["primitives"][0];
+  EXPECT_EQ(kept["attributes"]["NORMAL"], normals);
+  for (const char* name : {"TANGENT", "TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"})
+    EXPECT_FALSE(kept["attributes"].contains(name)) << name;
+  EXPECT_EQ(kept["targets"][0].size(), 1u);
+  EXPECT_EQ(packed["images"], (json{json::object(), json::object(), {{"bufferView", 0}}, json::object()}));
+  EXPECT_EQ(packed["materials"], (json{{{"name", "skin"}}, json::object()}));
+  EXPECT_FALSE(packed.contains("cameras"));
+  EXPECT_EQ(packed["extensionsUsed"], json{"KHR_materials_unlit"});
+  EXPECT_TRUE(packed["extensions"].empty());
+}
+
 }  // namespace
 }  // namespace fascicle::tests
