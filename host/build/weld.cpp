@@ -33,8 +33,8 @@ void check_surface(const SurfaceMesh& surface, const std::string& source) {
   for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)
     if (surface.vertices[i].cwiseAbs().maxCoeff() > farthest) bad.push_back(i);
   if (!bad.empty())
-    fail(source,
-         "mesh: coordinates are above 1e100 at vertex " + list_of(bad) + " (counted from 0); scale it");
+    fail(source, "mesh: coordinates are beyond 1e100 or -1e100 at vertex " + list_of(bad) +
+                     " (counted from 0); scale it");
   for (std::uint32_t k = 0; k < surface.triangles.size(); ++k)
     for (const std::uint32_t corner : surface.triangles[k])
       if (corner >= surface.vertices.size()) bad.push_back(k);

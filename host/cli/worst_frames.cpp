@@ -63,8 +63,9 @@ FrameScores read_frame_scores(const fs::path& folder) {
         score.cause = name.substr(5);
       }
     }
-    score.badness =
-        scores.has_look ? std::pair(score.look.value_or(0.0), 0.0) : std::pair(std::max(inverted, 0.0), lag);
+    // Infinity less infinity is no number.
+    score.badness = scores.has_look ? std::pair(score.look.value_or(0.0), 0.0)
+                                    : std::pair(std::max(badness_of(inverted), 0.0), lag);
     scores.frames.push_back(std::move(score));
   }
   return scores;

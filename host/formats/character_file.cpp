@@ -274,12 +274,12 @@ std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const sc
 }
 
 void add_scale(json& document, double scale) {
+  const std::vector<std::size_t> roots = shown_roots(document);
   json& nodes = document["nodes"];
-  json& shown = document["scenes"][document.value("scene", std::size_t{0})];
-  nodes.push_back({{"name", "metres"},
-                   {"scale", {scale, scale, scale}},
-                   {"children", shown.value("nodes", json::array())}});
-  shown["nodes"] = json::array({nodes.size() - 1});
+  nodes.push_back({{"name", "metres"}, {"scale", {scale, scale, scale}}, {"children", roots}});
+  json& scenes = document["scenes"];
+  if (!scenes.is_array() || scenes.empty()) scenes = json::array({json::object()});
+  scenes[document.value("scene", std::size_t{0})]["nodes"] = json::array({nodes.size() - 1});
 }
 
 const rig::Clip* baked_clip(const gltf::Rig& rig, bool has_clip) {
@@ -330,8 +330,7 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
     joint_node = gltf::read_rig(file, scene.converter).joint_node;
   }
   add_baked_clip(document, scene, weights, joint_node, time);
-  if (scene.characters.empty() && !file.empty() && scene.scale != 1.0 && document.json.contains("scenes"))
-    add_scale(document.json, scene.scale);
+  if (scene.characters.empty() && !file.empty() && scene.scale != 1.0) add_scale(document.json, scene.scale);
   json& extras = document.json["extras"];
   if (!extras.is_object()) extras = json::object();
   extras["fascicle"] = {{"fps", scene.fps},

@@ -13,6 +13,7 @@
 #include "host/base/text.h"
 #include "host/formats/gltf_writer.h"
 #include "host/gltf/gltf_codecs.h"
+#include "host/gltf/gltf_material.h"
 
 namespace fascicle::formats {
 
@@ -59,7 +60,7 @@ std::span<const unsigned char> as_bytes(const std::string& text) {
 
 // Nodes on whose transform a joint, a clip, a child or a camera depends: they cannot take the dequantisation.
 std::vector<bool> depended_on(const json& document) {
-  const json& nodes = document["nodes"];
+  const json& nodes = gltf::json_member(document, "nodes");
   std::vector<bool> is_needed;
   for (const json& n : nodes)
     is_needed.push_back(!n.value("children", json::array()).empty() || n.contains("camera") ||
@@ -83,7 +84,7 @@ struct Outside {
 };
 
 Outside outside_rig(const json& document, const gltf::Rig& rig) {
-  const json& nodes = document["nodes"];
+  const json& nodes = gltf::json_member(document, "nodes");
   std::vector<std::size_t> parts(nodes.size(), 0);
   for (const gltf::RigPart& part : rig.parts) ++parts.at(part.node);
   Outside outside;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/base/json_number.h"
+#include "host/gltf/gltf_material.h"
 
 namespace fascicle::formats {
 
@@ -106,6 +107,8 @@ void shift_nodes(json& document, const std::string& name, const Shifts& by) {
   }
   for (json& animation : document["animations"]) {
     animation["name"] = name + "/" + animation.value("name", std::string());
+    for (const char* list : {"samplers", "channels"})
+      if (!animation.contains(list)) animation[list] = json::array();
     for (json& sampler : animation["samplers"])
       for (const char* end : {"input", "output"}) shift(sampler, end, by.accessors);
     for (json& channel : animation["channels"]) shift(channel["target"], "node", by.nodes);
@@ -135,6 +138,23 @@ std::size_t append_lights(json& to, const json& from) {
 
 }  // namespace
 
+std::vector<std::size_t> shown_roots(const json& document) {
+  const json& scenes = gltf::json_member(document, "scenes");
+  if (!scenes.empty()) {
+    const json& nodes = gltf::json_member(scenes.at(document.value("scene", std::size_t{0})), "nodes");
+    return nodes.is_null() ? std::vector<std::size_t>() : nodes.get<std::vector<std::size_t>>();
+  }
+  const json& nodes = gltf::json_member(document, "nodes");
+  std::vector<bool> is_child(nodes.size(), false);
+  for (const json& node : nodes)
+    for (const json& child : gltf::json_member(node, "children"))
+      is_child.at(child.get<std::size_t>()) = true;
+  std::vector<std::size_t> roots;
+  for (std::size_t n = 0; n < is_child.size(); ++n)
+    if (!is_child[n]) roots.push_back(n);
+  return roots;
+}
+
 std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const NodeAbove& above) {
   to.binary.resize((to.binary.size() + 3) / 4 * 4, '\0');
   const std::size_t number = count_of(to.json, "nodes");
@@ -154,14 +174,13 @@ std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const 
   to.binary += part.binary;
   for (const char* list : lists)
     if (!part.json.contains(list)) part.json[list] = json::array();
+  const std::vector<std::size_t> roots = shown_roots(part.json);
   shift_data(part.json, by);
   shift_looks(part.json, by);
   shift_nodes(part.json, above.name, by);
 
-  const json scenes = part.json.value("scenes", json::array());
-  const std::size_t shown = part.json.value("scene", std::size_t{0});
-  json children = shown < scenes.size() ? scenes[shown].value("nodes", json::array()) : json::array();
-  for (json& child : children) child = child.get<std::size_t>() + by.nodes;
+  json children = json::array();
+  for (const std::size_t root : roots) children.push_back(root + by.nodes);
   json node{{"name", above.name}};
   node.update(above.transform);
   if (!children.empty()) node["children"] = std::move(children);

@@ -4,12 +4,17 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "host/gltf/gltf_rig.h"
 
 namespace fascicle::formats {
+
+// The nodes at the top of what is shown: those of the shown scene, or, in a document without scenes, all that
+// are no node's child.
+std::vector<std::size_t> shown_roots(const nlohmann::json& document);
 
 // The new node above a part.
 struct NodeAbove {

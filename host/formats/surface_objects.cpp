@@ -186,6 +186,14 @@ class Reader {
       vertices += part.vertex_count;
       triangles += part.triangle_count;
     }
+    same = same && 3 * triangles == model_.surface_triangle.size();
+    for (std::size_t p = 0; same && p < rig_.parts.size(); ++p) {
+      const rig::SurfacePart& part = character_.parts[p];
+      const auto first = model_.surface_triangle.begin() + std::ptrdiff_t{3} * part.first_triangle;
+      same = std::all_of(first, first + std::ptrdiff_t{3} * part.triangle_count, [&](std::uint32_t v) {
+        return v >= part.first_vertex && v - part.first_vertex < part.vertex_count;
+      });
+    }
     if (!same || vertices != model_.surface_count() || 3 * triangles != model_.surface_triangle.size())
       throw base::BakeError(path_.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
                             " vertices, and the baked surface " + base::number_text(model_.surface_count()) +

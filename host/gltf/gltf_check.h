@@ -24,8 +24,8 @@ struct CheckedGltf {
   // targets.
   nlohmann::json document;
   // The file's whole document, with compressed geometry decoded; its buffers have the same indices as those
-  // of `document`. All indices of accessors and buffer views are valid, and lists consist of objects: what
-  // is not needed for a character and breaks this is left out.
+  // of `document`. All accessors of attributes and targets and all buffer views of images are there, and
+  // lists consist of objects: what is not needed for a character and breaks this is left out.
   nlohmann::json plain;
   // Contents of the buffers that are not data: URIs, cut to byteLength. The key is the uri that `document`
   // now gives.

@@ -1,5 +1,5 @@
-// What no character needs: it is not checked for reading, but files made from this one copy it, change its
-// indices and add to its lists. What they could not use is dropped from the document that is passed on.
+// What no character needs. Files made from a glTF file copy it, change its indices and add to its lists. What
+// they could not use is dropped from the document that is passed on.
 #include "host/gltf/gltf_check_steps.h"
 #include "host/gltf/gltf_material.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-// Entries that are no objects become empty ones, so that indices stay.
+// Entries that are not objects become empty objects, so that indices stay valid.
 void keep_objects(json& document, const char* list) {
   const auto found = document.find(list);
   if (found == document.end()) return;
@@ -32,7 +32,10 @@ void keep_texts(json& document, const char* list) {
   if (found->is_array())
     for (const json& entry : *found)
       if (entry.is_string()) texts.push_back(entry);
-  *found = std::move(texts);
+  if (texts.empty())
+    document.erase(found);
+  else
+    *found = std::move(texts);
 }
 
 void keep_lights(json& document) {

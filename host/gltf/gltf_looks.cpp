@@ -183,10 +183,9 @@ class LooksReader {
 }  // namespace
 
 Looks read_looks(const fs::path& path, const Rig& rig) {
-  GltfFile file = read_gltf_file(path);
-  const json document = file.document;
-  const auto model = decode_gltf(check_gltf(std::move(file)));
-  return LooksReader(path, document, *model).run(rig);
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  return LooksReader(path, checked.plain, *model).run(rig);
 }
 
 }  // namespace fascicle::gltf

@@ -60,6 +60,11 @@ void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::
       } catch (const base::SceneError&) {
         missing.push_back(uri);
       }
+      // A view has at least one byte.
+      if (bytes->empty()) {
+        missing.push_back(uri);
+        bytes = white;
+      }
     }
     const auto [view, is_new] = view_of.try_emplace(bytes);
     if (is_new) view->second = add_view(document, bytes->data(), bytes->size());

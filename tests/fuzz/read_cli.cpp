@@ -29,7 +29,10 @@ bool metrics(std::string_view bytes) {
     return made;
   }();
   file.write(bytes);
-  (void)is_taken<base::BakeError>([] { (void)cli::read_frame_scores(file.folder()); });
+  (void)is_taken<base::BakeError>([] {
+    const cli::FrameScores scores = cli::read_frame_scores(file.folder());
+    (void)cli::worst_frames(scores, 100, 4, 3);
+  });
   (void)is_taken<base::BakeError>([] { (void)page::read_curves(file.folder(), 100); });
   (void)bake::peak_lags(file.folder(), model);
   return is_taken<base::BakeError>([] { (void)cli::read_metrics_table(file.folder()); });
