@@ -1,11 +1,11 @@
 // Documents of several characters: the nodes of each below its own node.
+#include "host/formats/joined_document.h"
+
 #include <cstddef>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-
-#include "host/formats/joined_document.h"
 
 namespace fascicle::tests {
 namespace {
