@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -231,18 +232,41 @@ std::vector<Difference> differences(const Identity& before, const Identity& now)
 
 namespace {
 
-// Whether a difference follows from that of a key: if scene.fps differs, fps need not be reported.
-bool follows(const std::string& name, const std::vector<Difference>& differences) {
-  return std::any_of(differences.begin(), differences.end(), [&](const Difference& one) {
-    if (!one.name.starts_with(key_prefix)) return false;
-    const std::string key = one.name.substr(std::string_view(key_prefix).size());
-    return name == model_name || key == name || key.starts_with(name + '.') || key.ends_with('.' + name);
-  });
-}
+// Which differences follow from that of a key: if scene.fps differs, fps need not be reported. The names may
+// be a file's, and as many as it holds.
+class KeyDifferences {
+ public:
+  explicit KeyDifferences(const std::vector<Difference>& differences) {
+    for (const Difference& one : differences) {
+      if (!one.name.starts_with(key_prefix)) continue;
+      has_keys_ = true;
+      std::string_view key = one.name;
+      key.remove_prefix(std::string_view(key_prefix).size());
+      add(key);
+    }
+  }
+  bool explain(const std::string& name) const {
+    return name == model_name ? has_keys_ : parts_.contains(name);
+  }
+
+ private:
+  // The key, the tables that it is in, and its ends.
+  void add(std::string_view key) {
+    constexpr int deepest = 64;  // no scene's key has as many dots
+    parts_.emplace(key);
+    std::size_t dot = key.find('.');
+    for (int depth = 0; dot != std::string_view::npos && depth < deepest; ++depth) {
+      parts_.emplace(key.substr(0, dot));
+      parts_.emplace(key.substr(dot + 1));
+      dot = key.find('.', dot + 1);
+    }
+  }
+  bool has_keys_ = false;
+  std::set<std::string_view> parts_;
+};
 
 // A list of numbers may be as long as a mesh, and a file may give any text.
-std::string shown(const std::string& value) {
-  constexpr std::size_t longest = 80;
+std::string shown(const std::string& value, std::size_t longest = 80) {
   if (value.size() <= longest) return base::shown_text(value);
   std::size_t end = longest;
   while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xc0u) == 0x80u) --end;
@@ -255,12 +279,15 @@ std::string shown_value(const std::string& value) {
 }  // namespace
 
 std::string text_of(const std::vector<Difference>& differences) {
+  constexpr std::size_t longest_name = 200, most = 20;
+  const KeyDifferences keys(differences);
   std::string text;
+  std::size_t count = 0;
   for (const Difference& one : differences)
-    if (!follows(one.name, differences))
-      text += (text.empty() ? "" : "; ") + shown(one.name) + " was " + shown_value(one.was) + " and is " +
-              shown_value(one.is);
-  return text;
+    if (!keys.explain(one.name) && ++count <= most)
+      text += (text.empty() ? "" : "; ") + shown(one.name, longest_name) + " was " + shown_value(one.was) +
+              " and is " + shown_value(one.is);
+  return count > most ? text + "; and " + base::number_text(std::uint64_t{count - most}) + " more" : text;
 }
 
 namespace {

@@ -31,7 +31,10 @@ constexpr int byte_type = 5120, short_type = 5122, float_type = 5126;
 
 // Rounding moves a vertex by up to half a step along each axis.
 double step_for(double bound, double stretch) {
-  return std::exp2(std::floor(std::log2(2.0 * bound / (std::sqrt(3.0) * stretch))));
+  // Joints of an absurd size would make it zero or infinite.
+  constexpr double least_step = 1e-30, greatest_step = 1e30;
+  const double step = 2.0 * bound / (std::sqrt(3.0) * stretch);
+  return std::exp2(std::floor(std::log2(std::clamp(step, least_step, greatest_step))));
 }
 
 double bound_for(double step, double stretch) {

@@ -56,6 +56,16 @@ std::vector<std::size_t> own_meshes(json& document, const gltf::Rig& rig) {
   return meshes;
 }
 
+std::size_t primitive_count(const json& document, const gltf::Rig& rig) {
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+    const gltf::RigPart& part = rig.parts[p];
+    if (p == 0 || part.node != rig.parts[p - 1].node)
+      count += document["meshes"][part.mesh]["primitives"].size();
+  }
+  return count;
+}
+
 void add_still_targets(json& document, const gltf::Rig& rig, const std::vector<std::size_t>& meshes,
                        std::size_t count) {
   std::map<std::size_t, std::set<std::size_t>> in_rig;

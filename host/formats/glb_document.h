@@ -17,6 +17,9 @@ void drop_weight_channels(nlohmann::json& document, const std::vector<std::size_
 // The mesh of each part of the rig. If several nodes share a mesh, all but the first get a copy.
 std::vector<std::size_t> own_meshes(nlohmann::json& document, const gltf::Rig& rig);
 
+// Primitives of the meshes of all parts, also those outside the rig.
+std::size_t primitive_count(const nlohmann::json& document, const gltf::Rig& rig);
+
 // All primitives of a mesh need the same number of targets: those outside the rig (lines) get `count` targets
 // that move nothing. `meshes`: of the parts, from own_meshes().
 void add_still_targets(nlohmann::json& document, const gltf::Rig& rig, const std::vector<std::size_t>& meshes,

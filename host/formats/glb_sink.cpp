@@ -52,8 +52,15 @@ constexpr const char* glb_spool = "surface.glb.targets";
 constexpr double least_turn = 0.004;
 constexpr double default_tolerance = 1e-6;  // as a fraction of the body's diagonal
 constexpr std::size_t most_targets = 65535;
+// Over all primitives: the JSON lists each.
+constexpr std::size_t most_pieces = std::size_t{1} << 22u;
 // Browser viewers store targets as the layers of an array texture, and WebGL 2 guarantees no more.
 constexpr std::size_t most_in_browsers = 256;
+
+// Whether a file can hold it.
+bool is_stored(const Vector3d& value) {
+  return value.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double{std::numeric_limits<float>::max()};
+}
 
 // A part's share of a target: where its numbers are in the stream.
 struct Piece {
@@ -86,6 +93,7 @@ class GlbSink final : public FrameSink {
 
   BakeInfo info_;
   double tolerance_ = 0.0;
+  std::size_t primitives_ = 0;  // of meshes that get targets
   gltf::GltfDocument document_;
   gltf::Rig rig_;
   std::optional<SurfaceNormals> normals_;
@@ -129,6 +137,7 @@ void GlbSink::begin(const BakeInfo& info) {
   require_surface(model, "glb");
   if (info.glb.stride == 0) throw base::BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
+  primitives_ = primitive_count(document_.json, rig_);
   normals_.emplace(model, objects_of(info)->normals);
   choice_.emplace(rig_.parts, info.frames, info.glb.stride, info.glb.error);
   const std::array<float, 6> box = bounds(world_positions(embed(model, model.rest), model.unit, {0, 0, 0}));
@@ -213,9 +222,11 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
       };
       if (!part.normals.empty() && is_turned())
         turn = rig::solve(linear, wanted).normalized() - part.normals[i];
+      // A joint of an absurd size may have no inverse: its vertices follow it unmoved.
+      if (!is_stored(move)) result.moved.back() = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        result.moves.push_back(static_cast<float>(move[axis]));
-        result.turns.push_back(static_cast<float>(turn[axis]));
+        result.moves.push_back(is_stored(move) ? static_cast<float>(move[axis]) : 0.0f);
+        result.turns.push_back(is_stored(turn) ? static_cast<float>(turn[axis]) : 0.0f);
       }
     }
   }
@@ -226,6 +237,11 @@ void GlbSink::write_target(const GlbFrame& frame) {
   if (targets_.size() == most_targets)
     throw base::BakeError("glb: more than " + base::number_text(std::uint64_t{most_targets}) +
                           " morph targets; give a larger --glb-stride or --glb-error");
+  if ((targets_.size() + 1) * primitives_ > most_pieces)
+    throw base::BakeError(
+        "glb: the character's meshes have " + base::number_text(std::uint64_t{primitives_}) +
+        " primitives, each with a morph target for " + base::number_text(std::uint64_t{targets_.size()}) +
+        " frames and more; join them, or give a larger --glb-stride or --glb-error");
   targets_.push_back(frame.index);
   if (compression_) {
     const std::string bytes = compression_->target(frame);

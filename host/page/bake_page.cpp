@@ -137,6 +137,8 @@ std::array<double, 6> box_of(const std::vector<const Places*>& all) {
   for (const Places* places : all)
     for (const std::vector<float>& frame : *places)
       for (std::size_t k = 0; k < frame.size(); ++k) {
+        // min() and max() would skip a NaN.
+        if (!std::isfinite(frame[k])) return {far, far, far, far, far, far};
         box[k % 3] = std::min(box[k % 3], double{frame[k]});
         box[3 + k % 3] = std::max(box[3 + k % 3], double{frame[k]});
       }

@@ -210,6 +210,18 @@ TEST(Identity, OfFilesIsShownInOneLine) {
   EXPECT_LT(text.size(), 400U) << text;
 }
 
+// It may also hold as many entries as it likes.
+TEST(Identity, OfFilesWithManyEntriesIsShownInPart) {
+  bake::Identity before;
+  const std::string dots(1000, '.');
+  for (int k = 0; k < 100000; ++k) before.emplace_back("the key k" + std::to_string(k) + dots, "1");
+  const std::string text = bake::text_of(bake::differences(before, {{"model", "2"}, {"device", "exact"}}));
+  EXPECT_TRUE(contains(text, "device was absent and is exact")) << text;
+  EXPECT_FALSE(contains(text, "model")) << "follows from the keys";
+  EXPECT_TRUE(contains(text, "; and 99981 more")) << text;
+  EXPECT_LT(text.size(), 10000U) << text;
+}
+
 TEST(BakeResume, StartsWhereThereIsNothing) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");

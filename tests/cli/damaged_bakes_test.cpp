@@ -185,6 +185,86 @@ TEST_F(DamagedBake, FramesAreHeldAgainstTheModel) {
   expect_bad_input(exported(), "frames.fascicle: frame 2");
 }
 
+// All that reads a bake's frames, but the exports.
+std::vector<std::vector<std::string>> showing(const std::string& bake, const TemporaryFolder& folder) {
+  return {{"render", bake, "-o", folder / "a.png"},
+          {"render", bake, "--mode", "lag", "-o", folder / "lag.png"},
+          {"render", bake, "--compare", "-o", folder / "both.png"},
+          {"report", bake, "-o", folder / "a.html"},
+          {"view", bake, "-o", folder / "page.html"}};
+}
+
+void expect_shown_or_refused(const Outcome& outcome) {
+  EXPECT_EQ(outcome.signal, 0);
+  if (outcome.status != 0) expect_bad_input(outcome, "");
+}
+
+// Distances between the positions are beyond the largest float.
+TEST_F(DamagedBake, VastPositionsAreShownOrRefused) {
+  take("arm");
+  for (const std::vector<std::string>& command : showing(out_, folder_))
+    ASSERT_EQ(fascicle(command).status, 0) << "the control: undamaged";
+  change_cache(
+      out_ + "/frames.fascicle", [](auto&) {},
+      [](model::Frame& frame) {
+        float sign = 1.0f;
+        for (float& x : frame.positions) x = sign * std::numeric_limits<float>::max(), sign = -sign;
+        frame.origin[1] = 1e300;
+      });
+  const TemporaryFolder shown;
+  for (const std::vector<std::string>& command : showing(out_, shown)) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    expect_bad_input(fascicle(command), "bake again");
+  }
+}
+
+// The clip grows nodes above each other, to more than a double holds.
+TEST_F(DamagedBake, VastJointsAreShownOrRefused) {
+  take("arm");
+  const std::vector<float> sizes{0.0f, 0.05f, 1, 1, 1, 3e38f, 3e38f, 3e38f};
+  const std::string bytes(reinterpret_cast<const char*>(sizes.data()), sizes.size() * sizeof(float));
+  change_glb(
+      out_ + "/character.glb",
+      [](json& d) {
+        const std::size_t view = d["bufferViews"].size() - 1, input = d["accessors"].size();
+        d["accessors"].push_back(
+            {{"componentType", 5126}, {"type", "SCALAR"}, {"count", 2}, {"bufferView", view}});
+        d["accessors"].push_back({{"componentType", 5126},
+                                  {"type", "VEC3"},
+                                  {"count", 2},
+                                  {"bufferView", view},
+                                  {"byteOffset", 8}});
+        json& clip = d["animations"][0];
+        clip["samplers"].push_back({{"input", input}, {"output", input + 1}, {"interpolation", "STEP"}});
+        const std::size_t sampler = clip["samplers"].size() - 1;
+        json& roots = d["scenes"][0]["nodes"];
+        for (int depth = 0; depth < 9; ++depth) {
+          d["nodes"].push_back({{"children", roots}});
+          roots = {d["nodes"].size() - 1};
+          clip["channels"].push_back(
+              {{"sampler", sampler}, {"target", {{"node", roots[0]}, {"path", "scale"}}}});
+        }
+      },
+      bytes);
+  const TemporaryFolder shown;
+  for (const std::vector<std::string>& command : showing(out_, shown)) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    expect_shown_or_refused(fascicle(command));
+  }
+  for (const std::string compression : {"", "--glb-compress=0.001"}) {
+    SCOPED_TRACE(compression);
+    std::vector<std::string> command{"export",     out_, "--to", "glb,usda", "-o", folder_ / "exported",
+                                     "--overwrite"};
+    if (!compression.empty()) command.push_back(compression);
+    const Outcome outcome = fascicle(command);
+    expect_shown_or_refused(outcome);
+    if (outcome.status != 0) continue;
+    // Numbers that are not finite are null in JSON.
+    change_glb(folder_ / "exported/surface.glb",
+               [](const json& d) { EXPECT_FALSE(contains(d.dump(), "null")); });
+  }
+}
+
 TEST_F(DamagedBake, TheManifestIsHeldAgainstTheFrames) {
   for (const json& fps : {json(nullptr), json("sixty"), json(30)}) {
     SCOPED_TRACE(fps);

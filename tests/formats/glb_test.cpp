@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/export.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/base/errors.h"
 #include "host/formats/formats.h"
 #include "host/formats/glb_document.h"
 #include "host/formats/surface.h"
@@ -20,6 +23,7 @@
 #include "host/gltf/gltf_rig.h"
 #include "host/rig/pose.h"
 #include "tests/bake/fake_solver.h"
+#include "tests/formats/dressed_model.h"
 #include "tests/formats/jointed_body.h"
 #include "tests/formats/sink_frames.h"
 #include "tests/support/readers.h"
@@ -227,6 +231,38 @@ TEST(Glb, TooManyTargetsForBrowsersAreSaid) {
     EXPECT_NE(result.report.warnings[0].find("301 morph targets"), std::string::npos)
         << result.report.warnings[0];
   }
+}
+
+// All primitives of a mesh get the targets, also lines that are not of the body.
+TEST(Glb, MoreTargetsThanAFileShouldListAreRefused) {
+  const TemporaryFolder folder;
+  constexpr std::size_t lines = 1u << 17u;
+  write_dressed(folder / "character.glb", [](gltf::GltfDocument& document) {
+    json& primitives = document.json["meshes"][0]["primitives"];
+    // Not skinned: a skinned mesh has triangles only.
+    document.json["nodes"][0]["children"] = {1};
+    document.json["nodes"][1].erase("skin");
+    document.json["scenes"][0]["nodes"] = {0, 2};
+    json line = primitives[0];
+    line["mode"] = 3;
+    for (std::size_t k = 0; k < lines; ++k) primitives.push_back(line);
+  });
+  const model::Model model = dressed_model();
+  const std::unique_ptr<formats::FrameSink> sink = formats::format_named("glb").make();
+  sink->begin({.model = &model,
+               .folder = folder / "",
+               .scene_name = "a",
+               .frames = 60,
+               .character = folder / "character.glb"});
+  std::uint64_t frames = 0;
+  std::string refusal;
+  try {
+    for (; frames <= 60; ++frames) sink->write(turned(model, frames));
+  } catch (const base::BakeError& error) {
+    refusal = error.what();
+  }
+  EXPECT_NE(refusal.find("131075 primitives"), std::string::npos) << refusal;
+  EXPECT_EQ(frames, 31U) << "2^22 over the number of primitives";
 }
 
 TEST(Glb, ToleranceLeavesVerticesToSkinning) {

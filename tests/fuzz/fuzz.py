@@ -26,7 +26,9 @@ BUILD = os.path.abspath(os.environ.get("FASCICLE_FUZZ_BUILD", "build/fuzz"))
 TARGETS = {
     "medit": "MEDIT `.mesh`", "tetgen": "TetGen `.node` and `.ele`", "gmsh": "Gmsh `.msh`", "vtu": "VTK `.vtu`",
     "off": "`.off`", "obj": "`.obj`", "ply": "`.ply`", "stl": "`.stl`",
-    "gltf": "`.glb`, `.gltf`: character, rig, looks, documents handed on", "picture": "PNG and JPEG of textures",
+    "gltf": "`.glb`, `.gltf`: character, rig, looks, documents handed on",
+    "exports": "a bake's `character.glb`: all that exports and bakes make of it",
+    "picture": "PNG and JPEG of textures",
     "scene": "scene files", "set": "values of `--set`", "jobs": "lists of jobs", "paint": "paint files",
     "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",
     "start": "a kept start", "manifest": "`manifest.json`", "metrics": "`metrics.csv`",

@@ -20,6 +20,7 @@ bool obj(std::string_view bytes);
 bool ply(std::string_view bytes);
 bool stl(std::string_view bytes);
 bool gltf(std::string_view bytes);  // .glb or .gltf: character, rig, looks, and the document for output files
+bool exports(std::string_view bytes);  // a bake's character.glb: all that exports and bakes make of it
 bool picture(std::string_view bytes);  // a texture: PNG or JPEG
 bool scene(std::string_view bytes);
 bool set(std::string_view bytes);   // a value of --set

@@ -52,6 +52,10 @@ void add_gltf_seeds(std::vector<Seed>& seeds) {
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
     seeds.push_back(
         {"gltf", "draco-" + std::to_string(method) + ".glb", text_of(tests::with_draco(method).glb())});
+  // A character with a motion and looks is one for exports, too.
+  const std::size_t count = seeds.size();
+  for (std::size_t k = 0; k < count; ++k)
+    if (seeds[k].reader == "gltf") seeds.push_back({"exports", seeds[k].name, seeds[k].bytes});
   render::Texels image{4, 3, {}};
   for (std::size_t k = 0; k < 48; ++k) image.values.push_back(static_cast<std::uint8_t>(17 * k));
   seeds.push_back({"picture", "png", render::encode_png(image)});
