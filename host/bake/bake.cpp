@@ -84,7 +84,7 @@ BakeResult Run::go() {
     solver_.load(state);
     if (files_change_) checkpoint(state, moment());
     if (!resumed) {
-      if (!all_finite(initial_)) refuse_not_finite(initial_);
+      if (!is_in_reach(initial_, model_.unit)) refuse_not_finite(initial_);
       shapes_->add_to(0, initial_.surface);
       write(initial_);
       checkpoint(state, moment());
@@ -165,7 +165,7 @@ void Run::step_frames(std::uint64_t first) {
     if (frame.index != k)
       throw std::logic_error("the solver returned frame " + base::number_text(frame.index) + " for frame " +
                              base::number_text(k));
-    if (!all_finite(frame)) {
+    if (!is_in_reach(frame, model_.unit)) {
       writer.finish();
       refuse_not_finite(frame);
     }

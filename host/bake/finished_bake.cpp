@@ -12,6 +12,7 @@
 #include "host/base/text.h"
 #include "host/formats/character_file.h"
 #include "host/formats/surface.h"
+#include "host/model/reach.h"
 #include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
@@ -51,7 +52,8 @@ FrameCacheReader finished_cache(const fs::path& folder, const ManifestSummary& m
 }  // namespace
 
 FinishedBake::FinishedBake(const fs::path& folder)
-    : manifest_(checked_manifest(folder)),
+    : folder_(folder),
+      manifest_(checked_manifest(folder)),
       cache_(finished_cache(folder, manifest_)),
       model_(read_model_of_frames(folder, cache_.header())),
       character_(model_.has_skeleton() ? folder / formats::character_name : fs::path()),
@@ -61,6 +63,10 @@ model::Frame FinishedBake::frame(std::uint64_t k) const {
   model::Frame frame = cache_.read(k);
   frame.surface = formats::embed(model_, frame.positions);
   shapes_.add_to(k, frame.surface);
+  // The model's embedding and the character's shapes are files', too.
+  if (!model::is_in_reach(frame.surface, model_.unit))
+    throw BakeError(folder_.string() + ": the surface of frame " + base::number_text(k) +
+                    " is not finite, or absurdly large; bake again with --overwrite");
   return frame;
 }
 

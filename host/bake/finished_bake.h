@@ -29,6 +29,7 @@ class FinishedBake {
   model::Frame frame(std::uint64_t k) const;
 
  private:
+  const std::filesystem::path folder_;
   const ManifestSummary manifest_;
   const FrameCacheReader cache_;
   const model::Model model_;

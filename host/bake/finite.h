@@ -1,4 +1,4 @@
-// Frames with positions that are not finite.
+// Frames with positions that are not finite, or absurdly far away.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace fascicle::bake {
 
-bool all_finite(const model::Frame& frame);
+bool is_in_reach(const model::Frame& frame, double unit);
 
 // For such a frame: its number, the first vertex, and a possible remedy.
 std::string not_finite_text(const scene::Scene& scene, const model::Model& model, const model::Frame& frame);

@@ -232,38 +232,30 @@ std::vector<Difference> differences(const Identity& before, const Identity& now)
 
 namespace {
 
-// Which differences follow from that of a key: if scene.fps differs, fps need not be reported. The names may
-// be a file's, and as many as it holds.
-class KeyDifferences {
- public:
-  explicit KeyDifferences(const std::vector<Difference>& differences) {
-    for (const Difference& one : differences) {
-      if (!one.name.starts_with(key_prefix)) continue;
-      has_keys_ = true;
-      std::string_view key = one.name;
-      key.remove_prefix(std::string_view(key_prefix).size());
-      add(key);
-    }
-  }
-  bool explain(const std::string& name) const {
-    return name == model_name ? has_keys_ : parts_.contains(name);
-  }
-
- private:
-  // The key, the tables that it is in, and its ends.
-  void add(std::string_view key) {
-    constexpr int deepest = 64;  // no scene's key has as many dots
-    parts_.emplace(key);
+// The differences that follow from that of a key: if scene.fps differs, fps need not be reported.
+std::set<std::string_view> explained_by_keys(const std::vector<Difference>& differences) {
+  std::set<std::string_view> others, explained;
+  for (const Difference& one : differences)
+    if (!one.name.starts_with(key_prefix)) others.insert(one.name);
+  const auto explain = [&](std::string_view name) {
+    if (others.contains(name)) explained.insert(name);
+  };
+  for (const Difference& one : differences) {
+    if (!one.name.starts_with(key_prefix)) continue;
+    explain(model_name);
+    const std::string_view key = std::string_view(one.name).substr(std::string_view(key_prefix).size());
+    explain(key);
+    // The tables that it is in, and its ends. A file may give any text, but no scene's key has more dots.
+    constexpr int deepest = 64;
     std::size_t dot = key.find('.');
     for (int depth = 0; dot != std::string_view::npos && depth < deepest; ++depth) {
-      parts_.emplace(key.substr(0, dot));
-      parts_.emplace(key.substr(dot + 1));
+      explain(key.substr(0, dot));
+      explain(key.substr(dot + 1));
       dot = key.find('.', dot + 1);
     }
   }
-  bool has_keys_ = false;
-  std::set<std::string_view> parts_;
-};
+  return explained;
+}
 
 // A list of numbers may be as long as a mesh, and a file may give any text.
 std::string shown(const std::string& value, std::size_t longest = 80) {
@@ -280,11 +272,11 @@ std::string shown_value(const std::string& value) {
 
 std::string text_of(const std::vector<Difference>& differences) {
   constexpr std::size_t longest_name = 200, most = 20;
-  const KeyDifferences keys(differences);
+  const std::set<std::string_view> explained = explained_by_keys(differences);
   std::string text;
   std::size_t count = 0;
   for (const Difference& one : differences)
-    if (!keys.explain(one.name) && ++count <= most)
+    if (!explained.contains(one.name) && ++count <= most)
       text += (text.empty() ? "" : "; ") + shown(one.name, longest_name) + " was " + shown_value(one.was) +
               " and is " + shown_value(one.is);
   return count > most ? text + "; and " + base::number_text(std::uint64_t{count - most}) + " more" : text;

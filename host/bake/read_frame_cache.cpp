@@ -14,6 +14,7 @@
 #include "host/bake/identity.h"
 #include "host/bake/sealed_file.h"
 #include "host/base/text.h"
+#include "host/model/reach.h"
 #include "host/scene/scene_file.h"
 
 namespace fascicle::bake {
@@ -102,11 +103,11 @@ base::File opened(const std::filesystem::path& path) {
 
 // Rejects numbers that no bake writes, whatever the checksum says.
 bool is_sound(const CacheHeader& header) {
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  return header.vertex_count > 0 && std::isfinite(header.unit) && header.unit > 0.0 &&
-         std::isfinite(header.fps) && header.fps > 0.0 && std::isfinite(header.start) &&
-         std::all_of(header.rest_origin.begin(), header.rest_origin.end(), is_finite) &&
-         static_cast<double>(header.frames) <= scene::most_frames;
+  // Bounds of the keys scene.fps and scene.start.
+  constexpr double least_fps = 1e-3, most_fps = 1e5;
+  return header.vertex_count > 0 && header.unit > 0.0 && header.unit <= model::farthest &&
+         header.fps >= least_fps && header.fps <= most_fps && std::isfinite(header.start) &&
+         model::is_in_reach(header.rest_origin) && static_cast<double>(header.frames) <= scene::most_frames;
 }
 
 }  // namespace
@@ -160,11 +161,9 @@ model::Frame FrameCacheReader::read(std::uint64_t k) const {
   frame.origin = value_at<std::array<double, 3>>(bytes, 8);
   frame.positions.resize(std::size_t{3} * header_.vertex_count);
   std::memcpy(frame.positions.data(), bytes.data() + 32, frame.positions.size() * sizeof(float));
-  const bool has_place = std::all_of(frame.origin.begin(), frame.origin.end(),
-                                     [](double value) { return std::isfinite(value); });
-  if (!has_place || !all_finite(frame))
+  if (!is_in_reach(frame, header_.unit))
     throw BakeError(file_.path().string() + ": frame " + base::number_text(k) +
-                    " has positions that are not finite numbers; bake again");
+                    " has positions that are not finite numbers, or absurdly far away; bake again");
   return frame;
 }
 

@@ -38,6 +38,7 @@
 #include "host/build/volume.h"
 #include "host/build/weights.h"
 #include "host/build/where.h"
+#include "host/model/reach.h"
 
 namespace fascicle::build {
 
@@ -56,11 +57,14 @@ void choose_unit(const mesh::TetMesh& mesh, const std::string& source, Model& mo
   }
   const double extent = (high - low).maxCoeff();
   // Squares and cubes of lengths must stay in the normal range.
-  if (!(extent > 1e-30 && extent < 1e30))
+  if (!(extent > 1e-30 && extent < model::farthest))
     fail(source, "mesh: it is " + std::to_string(extent) + " m long, which cannot be simulated; set `scale`");
   model.unit = std::ldexp(1.0, std::ilogb(extent));
   const Vector3d centre = low + (high - low) / 2.0;
   for (int a = 0; a < 3; ++a) model.rest_origin[static_cast<std::size_t>(a)] = centre[a];
+  if (!model::is_in_reach(model.rest_origin))
+    fail(source, "mesh: it is " + base::number_text(centre.cwiseAbs().maxCoeff()) +
+                     " m away from the origin, which cannot be simulated; move it nearer");
 }
 
 // Rest positions in floats; rounding must not invert a tetrahedron.

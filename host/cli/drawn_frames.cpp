@@ -1,7 +1,6 @@
 #include "host/cli/drawn_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "host/bake/finished_bake.h"
@@ -11,6 +10,7 @@
 #include "host/formats/character_file.h"
 #include "host/formats/surface.h"
 #include "host/gltf/gltf_rig.h"
+#include "host/model/reach.h"
 #include "host/scene/input_files.h"
 
 namespace fascicle::cli {
@@ -31,13 +31,13 @@ scene::Scene load_named(const SceneArguments& input) {
   return load(input);
 }
 
-// The bake's positions are finite, but in metres they may be beyond the largest float; and the skinning is a
-// file's, whose joints may have any size.
-std::vector<float> drawable(std::vector<float> values, std::uint64_t k) {
-  if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
-    throw bake::BakeError("frame " + base::number_text(k) +
-                          " cannot be drawn: positions are not finite numbers; bake again");
-  return values;
+// The skinning is a file's, whose joints may have any size, and so is the embedding of the surface.
+std::vector<float> drawable(std::vector<float> metres, const std::filesystem::path& folder, std::uint64_t k) {
+  constexpr double unit = 1.0;
+  if (!model::is_in_reach(metres, unit))
+    throw bake::BakeError(folder.string() + ": frame " + base::number_text(k) +
+                          " cannot be drawn: it is absurdly large, or not finite; bake again");
+  return metres;
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) : log_(log)
 std::vector<float> DrawnFrames::positions(std::uint64_t k) const {
   if (!bake_) return formats::world_positions(built_.rest, built_.unit, built_.rest_origin);
   const model::Frame frame = bake_->frame(k);
-  return drawable(formats::world_positions(frame.positions, bake_->model().unit, frame.origin), k);
+  return formats::world_positions(frame.positions, bake_->model().unit, frame.origin);
 }
 
 std::vector<float> DrawnFrames::surface(std::uint64_t k) {
@@ -71,7 +71,7 @@ std::vector<float> DrawnFrames::surface(std::uint64_t k) {
   std::vector<float> surface = formats::embed(bake_->model(), frame.positions);
   if (!has_read_shapes_) read_shapes();
   if (shapes_) shapes_->add_to(k, surface);
-  return drawable(formats::world_positions(surface, bake_->model().unit, frame.origin), k);
+  return drawable(formats::world_positions(surface, bake_->model().unit, frame.origin), folder_, k);
 }
 
 void DrawnFrames::read_shapes() {
@@ -90,7 +90,8 @@ void DrawnFrames::read_shapes() {
 
 std::vector<float> DrawnFrames::skinned_vertices(std::uint64_t k) {
   const OpenBake::Skinned skinned = bake_.value().skinned(k);
-  return drawable(formats::world_positions(skinned.positions, bake_->model().unit, skinned.origin), k);
+  return drawable(formats::world_positions(skinned.positions, bake_->model().unit, skinned.origin), folder_,
+                  k);
 }
 
 std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
@@ -103,12 +104,12 @@ std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
                             ": is missing; it holds the skinning to compare with; bake again");
     skin_.emplace(character_, model, bake_->fps());
   }
-  return drawable(skin_->positions(k), k);
+  return drawable(skin_->positions(k), folder_, k);
 }
 
 std::vector<float> DrawnFrames::lag(std::uint64_t k) {
   if (!bake_) return std::vector<float>(built_.vertex_count, 0.0f);
-  return drawable(bake_->lag(bake_->frame(k)), k);
+  return drawable(bake_->lag(bake_->frame(k)), folder_, k);
 }
 
 std::vector<scene::Solid> DrawnFrames::solids(std::uint64_t k) {

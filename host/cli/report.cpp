@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -151,8 +152,13 @@ bool draw(const ReportArguments& arguments, Report& report, Log& log) {
   }
   if (frames.model().surface_count() > 0 && !interrupts()) {
     const std::optional<render::Looks> looks = frames.looks(log);
-    const RestPictures rest =
-        draw_rest(frames.model(), looks ? &*looks : nullptr, rest_height, arguments.threads);
+    RestPictures rest;
+    try {
+      rest = draw_rest(frames.model(), looks ? &*looks : nullptr, rest_height, arguments.threads);
+    } catch (const std::invalid_argument& error) {
+      throw bake::BakeError(arguments.bake + ": its model cannot be drawn: " + error.what() +
+                            "; bake again with --overwrite");
+    }
     report.rest =
         RestReport{rest.skin, rest.body, encoded(rest.before), encoded(rest.after), encoded(rest.cut), {}};
     for (const render::Legend::Entry& entry : rest.layers.entries)

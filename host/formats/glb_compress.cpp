@@ -31,8 +31,8 @@ constexpr int byte_type = 5120, short_type = 5122, float_type = 5126;
 
 // Rounding moves a vertex by up to half a step along each axis.
 double step_for(double bound, double stretch) {
-  // Joints of an absurd size would make it zero or infinite.
-  constexpr double least_step = 1e-30, greatest_step = 1e30;
+  // Of joints of an absurd size, steps would be too short for moves to be whole numbers of them.
+  constexpr double least_step = 1e-15, greatest_step = 1e15;
   const double step = 2.0 * bound / (std::sqrt(3.0) * stretch);
   return std::exp2(std::floor(std::log2(std::clamp(step, least_step, greatest_step))));
 }

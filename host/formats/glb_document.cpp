@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "host/base/errors.h"
+#include "host/base/text.h"
 #include "host/formats/gltf_writer.h"
 
 namespace fascicle::formats {
@@ -35,27 +37,6 @@ void drop_weight_channels(json& document, const std::vector<std::size_t>& meshes
       list.end());
 }
 
-std::vector<std::size_t> own_meshes(json& document, const gltf::Rig& rig) {
-  std::vector<std::size_t> meshes;
-  std::vector<std::uint32_t> taken;
-  for (std::size_t p = 0; p < rig.parts.size(); ++p) {
-    const gltf::RigPart& part = rig.parts[p];
-    if (p > 0 && part.node == rig.parts[p - 1].node) {
-      meshes.push_back(meshes.back());
-      continue;
-    }
-    std::size_t mesh = part.mesh;
-    if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
-      document["meshes"].push_back(json(document["meshes"][part.mesh]));
-      mesh = document["meshes"].size() - 1;
-      document["nodes"][part.node]["mesh"] = mesh;
-    }
-    taken.push_back(part.mesh);
-    meshes.push_back(mesh);
-  }
-  return meshes;
-}
-
 std::size_t primitive_count(const json& document, const gltf::Rig& rig) {
   std::size_t count = 0;
   for (std::size_t p = 0; p < rig.parts.size(); ++p) {
@@ -64,6 +45,29 @@ std::size_t primitive_count(const json& document, const gltf::Rig& rig) {
       count += document["meshes"][part.mesh]["primitives"].size();
   }
   return count;
+}
+
+std::vector<std::size_t> own_meshes(json& document, const gltf::Rig& rig) {
+  if (const std::size_t count = primitive_count(document, rig); count > most_primitives)
+    throw base::BakeError("glb: the character's nodes show " + base::number_text(std::uint64_t{count}) +
+                          " primitives; join meshes");
+  std::vector<std::size_t> meshes;
+  std::set<std::uint32_t> taken;
+  for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+    const gltf::RigPart& part = rig.parts[p];
+    if (p > 0 && part.node == rig.parts[p - 1].node) {
+      meshes.push_back(meshes.back());
+      continue;
+    }
+    std::size_t mesh = part.mesh;
+    if (!taken.insert(part.mesh).second) {
+      document["meshes"].push_back(json(document["meshes"][part.mesh]));
+      mesh = document["meshes"].size() - 1;
+      document["nodes"][part.node]["mesh"] = mesh;
+    }
+    meshes.push_back(mesh);
+  }
+  return meshes;
 }
 
 void add_still_targets(json& document, const gltf::Rig& rig, const std::vector<std::size_t>& meshes,

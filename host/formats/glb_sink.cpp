@@ -52,14 +52,17 @@ constexpr const char* glb_spool = "surface.glb.targets";
 constexpr double least_turn = 0.004;
 constexpr double default_tolerance = 1e-6;  // as a fraction of the body's diagonal
 constexpr std::size_t most_targets = 65535;
-// Over all primitives: the JSON lists each.
-constexpr std::size_t most_pieces = std::size_t{1} << 22u;
 // Browser viewers store targets as the layers of an array texture, and WebGL 2 guarantees no more.
 constexpr std::size_t most_in_browsers = 256;
 
-// Whether a file can hold it.
-bool is_stored(const Vector3d& value) {
-  return value.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double{std::numeric_limits<float>::max()};
+// A character's clip may give its joints any size. No sensible one comes near.
+constexpr double most_of_joint = 1e15;
+
+// Whether a file should hold the move. A joint of almost no size hides its vertices, and would need huge
+// ones.
+bool is_stored(const Vector3d& move) {
+  constexpr double most = 1e18;
+  return move.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most;
 }
 
 // A part's share of a target: where its numbers are in the stream.
@@ -83,6 +86,9 @@ class GlbSink final : public FrameSink {
 
  private:
   void read_character(const BakeInfo& info);
+  void require_listable(std::uint64_t targets) const;
+  Matrix4d slot_at(const gltf::RigPart& part, std::size_t slot, const std::vector<Matrix4d>& joints,
+                   std::uint64_t frame) const;
   std::vector<double> stretch() const;
   GlbFrame frame_of(const model::Frame& frame) const;
   void write_target(const GlbFrame& frame);
@@ -131,6 +137,14 @@ void GlbSink::read_character(const BakeInfo& info) {
                           ": its bytes are not all in one buffer of the file; bake again with --overwrite");
 }
 
+// The JSON lists each target of each primitive.
+void GlbSink::require_listable(std::uint64_t targets) const {
+  if (targets <= most_primitives / std::max<std::size_t>(primitives_, 1)) return;
+  throw base::BakeError("glb: the character's meshes have " + base::number_text(std::uint64_t{primitives_}) +
+                        " primitives, too many for " + base::number_text(targets) +
+                        " morph targets each; join meshes, or give a larger --glb-stride or --glb-error");
+}
+
 void GlbSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
@@ -138,6 +152,8 @@ void GlbSink::begin(const BakeInfo& info) {
   if (info.glb.stride == 0) throw base::BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
   primitives_ = primitive_count(document_.json, rig_);
+  // With an error bound, the number of targets depends on the motion.
+  require_listable(info.glb.error ? 1 : glb_target_count(info.frames, info.glb));
   normals_.emplace(model, objects_of(info)->normals);
   choice_.emplace(rig_.parts, info.frames, info.glb.stride, info.glb.error);
   const std::array<float, 6> box = bounds(world_positions(embed(model, model.rest), model.unit, {0, 0, 0}));
@@ -146,6 +162,16 @@ void GlbSink::begin(const BakeInfo& info) {
   tolerance_ = info.glb.tolerance.value_or(default_tolerance * diagonal.norm());
   if (info.glb.compress) compression_.emplace(rig_, document_.json, stretch(), *info.glb.compress);
   stream_.emplace(base::SpoolFile::start(info.folder / glb_spool));
+}
+
+// A joint's transform times its inverse bind.
+Matrix4d GlbSink::slot_at(const gltf::RigPart& part, std::size_t slot, const std::vector<Matrix4d>& joints,
+                          std::uint64_t frame) const {
+  const Matrix4d map = joints[part.skin_joint[slot]] * part.inverse_bind[slot];
+  if (!(map.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most_of_joint))
+    throw base::BakeError(info_.character.string() + ": frame " + base::number_text(frame) +
+                          ": a joint is not finite, or absurdly large; bake again with --overwrite");
+  return map;
 }
 
 // Per part: the largest factor by which its joints lengthen a vector in any frame. A blend stretches no more
@@ -159,7 +185,7 @@ std::vector<double> GlbSink::stretch() const {
       const gltf::RigPart& part = rig_.parts[p];
       if (part.influence_offset.empty()) most[p] = 1.0;
       for (std::size_t slot = 0; slot < part.skin_joint.size(); ++slot) {
-        const Matrix3d map = (joints[part.skin_joint[slot]] * part.inverse_bind[slot]).topLeftCorner<3, 3>();
+        const Matrix3d map = slot_at(part, slot, joints, k).topLeftCorner<3, 3>();
         const Eigen::SelfAdjointEigenSolver<Matrix3d> squares(map.transpose() * map, Eigen::EigenvaluesOnly);
         most[p] = std::max(most[p], std::sqrt(std::max(squares.eigenvalues()[2], 0.0)));
       }
@@ -187,7 +213,7 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
   for (const gltf::RigPart& part : rig_.parts) {
     std::vector<Matrix4d>& slots = result.slots.emplace_back();
     for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
-      slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
+      slots.push_back(slot_at(part, k, joints, frame.index));
     for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
       const Matrix4d blend = blend_of(part, slots, i);
       blends[vertex] = blend.topLeftCorner<3, 3>();
@@ -222,11 +248,11 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
       };
       if (!part.normals.empty() && is_turned())
         turn = rig::solve(linear, wanted).normalized() - part.normals[i];
-      // A joint of an absurd size may have no inverse: its vertices follow it unmoved.
-      if (!is_stored(move)) result.moved.back() = 0;
+      const bool has_move = is_stored(move), has_turn = turn.allFinite();
+      if (!has_move) result.moved.back() = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        result.moves.push_back(is_stored(move) ? static_cast<float>(move[axis]) : 0.0f);
-        result.turns.push_back(is_stored(turn) ? static_cast<float>(turn[axis]) : 0.0f);
+        result.moves.push_back(has_move ? static_cast<float>(move[axis]) : 0.0f);
+        result.turns.push_back(has_turn ? static_cast<float>(turn[axis]) : 0.0f);
       }
     }
   }
@@ -237,11 +263,7 @@ void GlbSink::write_target(const GlbFrame& frame) {
   if (targets_.size() == most_targets)
     throw base::BakeError("glb: more than " + base::number_text(std::uint64_t{most_targets}) +
                           " morph targets; give a larger --glb-stride or --glb-error");
-  if ((targets_.size() + 1) * primitives_ > most_pieces)
-    throw base::BakeError(
-        "glb: the character's meshes have " + base::number_text(std::uint64_t{primitives_}) +
-        " primitives, each with a morph target for " + base::number_text(std::uint64_t{targets_.size()}) +
-        " frames and more; join them, or give a larger --glb-stride or --glb-error");
+  require_listable(targets_.size() + 1);
   targets_.push_back(frame.index);
   if (compression_) {
     const std::string bytes = compression_->target(frame);
@@ -428,6 +450,7 @@ void GlbSink::finish() {
   std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   text.pop_back();
   text += ",\"accessors\":" + accessors + targets + "]}";
+  require_finite(document);
   base::PartFile file = base::PartFile::start(info_.folder / "surface.glb");
   file.write(glb_head(std::move(text), total));
   file.write(binary);

@@ -1,6 +1,7 @@
 #include "host/formats/gltf_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -88,7 +89,16 @@ std::string glb_head(std::string text, std::uint64_t binary_bytes) {
   return head + std::string("BIN\0", 4);
 }
 
+void require_finite(const json& value) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>()))
+    throw base::BakeError(
+        "glb: a number of the character is not finite; its sizes or places are absurdly large");
+  if (value.is_structured())
+    for (const json& part : value) require_finite(part);
+}
+
 std::string glb_text(gltf::GltfDocument document) {
+  require_finite(document.json);
   document.binary.resize((document.binary.size() + 3) / 4 * 4, '\0');
   document.json["buffers"] = json::array({{{"byteLength", document.binary.size()}}});
   return glb_head(document.json.dump(-1, ' ', false, json::error_handler_t::replace),

@@ -29,7 +29,10 @@ std::size_t add_accessor(gltf::GltfDocument& document, std::span<const std::uint
 // GiB.
 std::string glb_head(std::string text, std::uint64_t binary_bytes);
 
-// A complete .glb.
+// Throws BakeError if a number in the JSON is not finite: a .glb cannot hold it.
+void require_finite(const nlohmann::json& value);
+
+// A complete .glb. Throws BakeError as the two above.
 std::string glb_text(gltf::GltfDocument document);
 
 }  // namespace fascicle::formats

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include <Eigen/LU>
 
+#include "host/formats/glb_document.h"
 #include "host/formats/gltf_writer.h"
 #include "host/gltf/gltf_rig.h"
 #include "host/rig/rig_math.h"
@@ -67,22 +67,13 @@ std::string painted_glb(const std::filesystem::path& file, const rig::Character&
                         const rig::Paint& paint, std::vector<std::string>& missing) {
   gltf::GltfDocument document = gltf::pack_gltf(file, missing);
   const gltf::Rig rig = gltf::read_rig(file);
-  json& meshes = document.json["meshes"];
-  std::map<std::uint32_t, std::size_t> mesh_of_node;
-  std::set<std::size_t> shown;
-  for (const gltf::RigPart& part : rig.parts) {
-    if (mesh_of_node.contains(part.node)) continue;
-    std::size_t mesh = part.mesh;
-    if (!shown.insert(mesh).second) {
-      mesh = meshes.size();
-      meshes.push_back(json(meshes[part.mesh]));
-      document.json["nodes"][part.node]["mesh"] = mesh;
-    }
-    mesh_of_node[part.node] = mesh;
-  }
+  // A mesh shared by several nodes may be painted differently on each.
+  const std::vector<std::size_t> meshes = own_meshes(document.json, rig);
   std::size_t first = 0;
-  for (const gltf::RigPart& part : rig.parts) {
-    json& attributes = meshes[mesh_of_node.at(part.node)]["primitives"][part.primitive]["attributes"];
+  for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+    const gltf::RigPart& part = rig.parts[p];
+    json& mesh = document.json["meshes"][meshes[p]];
+    json& attributes = mesh["primitives"][part.primitive]["attributes"];
     for (const rig::PaintedVertices& painted : paint.attributes) {
       const rig::PaintKind& kind = *rig::find_paint_kind(painted.name);
       const auto laid_over =

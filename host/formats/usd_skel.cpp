@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <utility>
 
 #include <Eigen/LU>
@@ -10,6 +9,7 @@
 #include "host/base/errors.h"
 #include "host/base/text.h"
 #include "host/formats/character_file.h"
+#include "host/formats/unique_names.h"
 #include "host/formats/usd_text.h"
 #include "host/gltf/gltf_file.h"
 #include "host/rig/rig_math.h"
@@ -43,16 +43,25 @@ std::string matrix_list(const std::vector<Matrix4d>& matrices) {
   return text + ']';
 }
 
+// Each skeleton lists all joints with their paths and matrices. Small files can have many joints, long names
+// and many skins that disagree.
+constexpr std::size_t most_bytes = std::size_t{1} << 28u, bytes_of_joint = 800;
+
+[[noreturn]] void refuse_skeletons() {
+  throw base::BakeError("--usd-skel: the skeletons would take more than " +
+                        base::number_text(std::uint64_t{most_bytes >> 20u}) + " MiB; leave the option out");
+}
+
 // Paths of the joints below `top`: names unique among siblings, in characters that paths allow.
 std::vector<std::string> paths_of(const std::vector<rig::Joint>& skeleton, const std::string& top) {
   std::vector<std::string> paths;
-  std::set<std::string> taken;
+  UniqueNames names;
+  std::size_t bytes = 0;
   for (const rig::Joint& joint : skeleton) {
     const std::string above = joint.parent < 0 ? top : paths[static_cast<std::size_t>(joint.parent)] + '/';
-    std::string path = above + identifier_of(joint.name.empty() ? "joint" : joint.name);
-    const std::string first = path;
-    for (int k = 2; !taken.insert(path).second; ++k) path = first + '_' + std::to_string(k);
-    paths.push_back(path);
+    paths.push_back(names.take(above + identifier_of(joint.name.empty() ? "joint" : joint.name)));
+    bytes += paths.back().size();
+    if (bytes > most_bytes) refuse_skeletons();
   }
   return paths;
 }
@@ -84,23 +93,30 @@ std::optional<Matrix4d> UsdSkel::bound(const gltf::RigPart& part, BindPose& pose
                                             part.skin_joint.begin());
   const std::size_t top_joint = part.skin_joint[top];
   const Matrix4d place = pose[top_joint].value_or(rest_[top_joint]) * part.inverse_bind[top];
-  BindPose more = pose;
+  std::vector<std::uint32_t> added;
   for (std::size_t k = 0; k < part.skin_joint.size(); ++k) {
-    std::optional<Matrix4d>& joint = more[part.skin_joint[k]];
-    if (!joint) joint = place * part.inverse_bind[k].inverse();
-    if (!((*joint * part.inverse_bind[k] - place).norm() <= same_pose * place.norm())) return std::nullopt;
+    std::optional<Matrix4d>& joint = pose[part.skin_joint[k]];
+    if (!joint) {
+      joint = place * part.inverse_bind[k].inverse();
+      added.push_back(part.skin_joint[k]);
+    }
+    if ((*joint * part.inverse_bind[k] - place).norm() <= same_pose * place.norm()) continue;
+    for (const std::uint32_t j : added) pose[j].reset();
+    return std::nullopt;
   }
-  pose = std::move(more);
   return place;
 }
 
 void UsdSkel::bind_objects() {
+  std::size_t bytes_of_one = bytes_of_joint * rest_.size();
+  for (const std::string& token : tokens_) bytes_of_one += token.size();
   std::size_t vertex = 0, object = 0;
   for (const gltf::RigPart& part : rig_.parts) {
     if (object < surface_.objects.size() && vertex >= surface_.objects[object].first_vertex) {
       std::size_t s = 0;
       while (s < poses_.size() && !bound(part, poses_[s])) ++s;
       if (s == poses_.size()) {
+        if ((s + 1) * bytes_of_one > most_bytes) refuse_skeletons();
         poses_.emplace_back(rest_.size());
         if (!bound(part, poses_[s]))
           throw base::BakeError("--usd-skel: the skin of \"" + surface_.objects[object].name +

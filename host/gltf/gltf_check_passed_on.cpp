@@ -25,6 +25,16 @@ void keep_indices(json& object, const json& list) {
     entry = json_index(*entry, list) ? std::next(entry) : object.erase(entry);
 }
 
+// Attributes have a value for each vertex: readers would look beyond one with fewer.
+void keep_counts(json& attributes, const json& accessors) {
+  const auto position = attributes.find("POSITION");
+  if (position == attributes.end()) return;
+  const auto count_of = [&](const json& number) { return accessors[number.get<std::size_t>()]["count"]; };
+  const json count = count_of(*position);
+  for (auto entry = attributes.begin(); entry != attributes.end();)
+    entry = count_of(*entry) == count ? std::next(entry) : attributes.erase(entry);
+}
+
 void keep_texts(json& document, const char* list) {
   const auto found = document.find(list);
   if (found == document.end()) return;
@@ -70,6 +80,7 @@ void GltfCheck::pass_on() {
   for (json& mesh : document["meshes"])
     for (json& primitive : mesh["primitives"]) {
       keep_indices(primitive["attributes"], accessors);
+      keep_counts(primitive["attributes"], accessors);
       if (primitive.contains("targets"))
         for (json& target : primitive["targets"]) keep_indices(target, accessors);
     }

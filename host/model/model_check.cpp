@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "host/model/model_arrays.h"
+#include "host/model/reach.h"
 
 namespace fascicle::model {
 
@@ -291,8 +292,9 @@ void check_model(const Model& m) {
   if (m.vertex_count == 0) broken("vertex_count", 0, "is 0");
   int exponent = 0;
   if (!(m.unit > 0.0) || std::frexp(m.unit, &exponent) != 0.5) broken("unit", 0, "is not a power of two");
-  for (std::size_t a = 0; a < m.rest_origin.size(); ++a)
-    if (!std::isfinite(m.rest_origin[a])) broken("rest_origin", a, "is not finite");
+  if (m.unit > farthest) broken("unit", 0, "is longer than any body");
+  if (!is_in_reach(m.rest_origin)) broken("rest_origin", 0, "is not finite, or too far away");
+  if (!is_in_reach(m.rest, m.unit)) broken("rest", 0, "is not finite, or too far away");
   for_each_array(
       m, [&](const auto& row, const auto& values) { check_size(m, row.name, row.traits, values.size()); });
   // Sizes are right: offsets and indices may be followed from here on.

@@ -19,6 +19,7 @@
 #include "host/base/version.h"
 #include "host/formats/skinned_surface.h"
 #include "host/formats/surface.h"
+#include "host/model/reach.h"
 #include "host/page/base64.h"
 #include "host/page/bundle.h"
 #include "host/page/curves.h"
@@ -131,17 +132,22 @@ std::vector<float> picked(const std::vector<float>& places, const std::vector<st
   return result;
 }
 
-std::array<double, 6> box_of(const std::vector<const Places*>& all) {
+// Throws BakeError for positions that no grid could hold.
+std::array<double, 6> box_of(const std::vector<const Places*>& all, const std::filesystem::path& bake) {
   constexpr double far = std::numeric_limits<double>::infinity();
   std::array<double, 6> box{far, far, far, -far, -far, -far};
   for (const Places* places : all)
-    for (const std::vector<float>& frame : *places)
+    for (const std::vector<float>& frame : *places) {
+      constexpr double metres = 1.0;
+      if (!model::is_in_reach(frame, metres))
+        throw base::BakeError(
+            bake.string() + ": frame " + base::number_text(&frame - places->data()) +
+            " cannot be shown: it is absurdly large, or not finite; bake again with --overwrite");
       for (std::size_t k = 0; k < frame.size(); ++k) {
-        // min() and max() would skip a NaN.
-        if (!std::isfinite(frame[k])) return {far, far, far, far, far, far};
         box[k % 3] = std::min(box[k % 3], double{frame[k]});
         box[3 + k % 3] = std::max(box[3 + k % 3], double{frame[k]});
       }
+    }
   return box;
 }
 
@@ -235,11 +241,7 @@ bool BakePage::read_frames() {
 
 void BakePage::quantise() {
   const model::Model& model = bake_.model();
-  const std::array<double, 6> box = box_of({&flesh_, &ghost_});
-  for (const double side : box)
-    if (!std::isfinite(side))
-      throw base::BakeError(options_.bake.string() +
-                            ": some positions are not finite; bake again with --overwrite");
+  const std::array<double, 6> box = box_of({&flesh_, &ghost_}, options_.bake);
   grid_ = grid_for(box, options_.error.value_or(default_share * model::extent(model)));
   if (options_.error && grid_.error() > *options_.error * (1.0 + 1e-9))
     throw bake::ContradictingOptions("an error of " + base::number_text(*options_.error) +

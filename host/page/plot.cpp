@@ -26,10 +26,14 @@ std::string place(double value) {
   return number(value, "%.2f");
 }
 
+constexpr double farthest = 1e100;
+
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
   void include(double value) {
     if (!std::isfinite(value)) return;
+    // Their difference must be finite, too.
+    value = std::clamp(value, -farthest, farthest);
     low = std::min(low, value);
     high = std::max(high, value);
   }

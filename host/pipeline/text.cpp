@@ -45,7 +45,8 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::string duration_text(double seconds) {
-  if (!std::isfinite(seconds) || seconds < 0.0) return "unknown";
+  constexpr double longest = 1e12;
+  if (!(seconds >= 0.0 && seconds < longest)) return "unknown";
   if (seconds < 10.0) return print("%.2f s", seconds);
   if (seconds < 60.0) return print("%.0f s", seconds);
   const auto whole = static_cast<unsigned long long>(std::llround(seconds));

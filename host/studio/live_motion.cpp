@@ -81,7 +81,7 @@ void LiveMotion::step_to(std::uint64_t frame) {
   seconds_ = static_cast<float>(seconds_since(start));
   frame_ = frame;
   now_.index = frame;
-  if (!bake::all_finite(now_)) {
+  if (!bake::is_in_reach(now_, body_->model().unit)) {
     release();
     load(body_->state_on_skeleton(frame), frame);
     kept_.clear();
@@ -135,7 +135,7 @@ ShownFrame LiveMotion::seek(std::uint64_t frame) {
 void LiveMotion::load_led(model::State state) {
   load(state, 0);
   kept_.clear();
-  if (bake::all_finite(now_)) return;
+  if (bake::is_in_reach(now_, body_->model().unit)) return;
   load(body_->drives().initial_state(), 0);
   throw Diverged(
       "the simulation became unstable before frame 0 and was reset; undo the last change, or use more "

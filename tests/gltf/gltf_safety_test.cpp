@@ -556,12 +556,14 @@ TEST(LyingFile, what_is_no_glTF_at_all) {
 // Files made from a character copy what is not needed to read it, and change its indices.
 TEST(GltfSafety, WhatIsPassedOnHasOnlyValidIndices) {
   GltfBuilder b = column_with_shapes();
+  const std::size_t too_few = b.add<float>("VEC2", std::vector<float>(22, 0.5f));
   const std::size_t normals = b.add<float>("VEC3", std::vector<float>(36, 1.0f));
   primitive(b)["attributes"].update({{"NORMAL", normals},
                                      {"TANGENT", 4000000},
                                      {"TEXCOORD_0", 1e300},
                                      {"TEXCOORD_1", "x"},
-                                     {"TEXCOORD_2", -1}});
+                                     {"TEXCOORD_2", -1},
+                                     {"TEXCOORD_3", too_few}});
   primitive(b)["targets"][0]["NORMAL"] = nullptr;
   b.document["images"] = {{{"bufferView", 1000000000}}, {{"bufferView", -1}}, {{"bufferView", 0}}, 7};
   b.document["materials"] = {{{"name", "skin"}}, 7};
@@ -573,7 +575,7 @@ TEST(GltfSafety, WhatIsPassedOnHasOnlyValidIndices) {
   const json packed = gltf::pack_gltf(folder.write("a.gltf", b.with_data_uri().dump()), missing).json;
   const json& kept = packed["meshes"][0]["primitives"][0];
   EXPECT_EQ(kept["attributes"]["NORMAL"], normals);
-  for (const char* name : {"TANGENT", "TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"})
+  for (const char* name : {"TANGENT", "TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2", "TEXCOORD_3"})
     EXPECT_FALSE(kept["attributes"].contains(name)) << name;
   EXPECT_EQ(kept["targets"][0].size(), 1u);
   EXPECT_EQ(packed["images"], (json{json::object(), json::object(), {{"bufferView", 0}}, json::object()}));
