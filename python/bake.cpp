@@ -10,15 +10,16 @@
 #include "python/module.h"
 
 namespace fascicle_python {
-namespace {
-
-using Path = std::filesystem::path;
-using Length = std::optional<double>;
 
 struct BakeResult {
   std::string folder;
   fascicle::bake_result result;
 };
+
+namespace {
+
+using Path = std::filesystem::path;
+using Length = std::optional<double>;
 
 BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std::vector<std::string>& formats,
                     const std::string& device, std::uint32_t threads, const std::optional<Path>& mesher,
@@ -45,6 +46,12 @@ BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std:
   options.progress = progress_to(progress);
   options.log = log_to(log);
   return without_lock([&] { return BakeResult{options.folder, fascicle::bake(scene, options)}; });
+}
+
+std::shared_ptr<Device> open_device(const std::string& name, std::uint32_t threads,
+                                    const std::optional<Path>& cache) {
+  return without_lock(
+      [&] { return std::make_shared<Device>(Device{fascicle::device(name, threads, path_text(cache))}); });
 }
 
 constexpr const char* device_text = R"(A GPU or the CPU, ready to run solvers.
@@ -98,13 +105,9 @@ void add_device(py::module_& module) {
   using namespace py::literals;
   py::class_<Device, std::shared_ptr<Device>> device(module, "Device", device_text);
   device.attr("__module__") = "fascicle";
+  define_init(device, &open_device, "name"_a = "auto", "threads"_a = 0, "cache"_a = py::none(),
+              "Opens a device.");
   device
-      .def(py::init([](const std::string& name, std::uint32_t threads, const std::optional<Path>& cache) {
-             return without_lock([&] {
-               return std::make_shared<Device>(Device{fascicle::device(name, threads, path_text(cache))});
-             });
-           }),
-           "name"_a = "auto", "threads"_a = 0, "cache"_a = py::none(), "Opens a device.")
       .def_property_readonly(
           "text", [](const Device& self) { return self.device.text(); }, "One line for people.")
       .def_property_readonly(

@@ -54,9 +54,11 @@ py::list texts_of(const fascicle_array& array) {
   return texts;
 }
 
-py::dict arrays_of(const py::object& self) {
+py::dict arrays_of(const std::shared_ptr<fascicle::model>& model) {
+  if (!model) throw py::type_error("self is None; it must be a fascicle.Model");
+  const py::object self = py::cast(model);
   py::dict all;
-  for (const fascicle_array& array : self.cast<const fascicle::model&>().arrays()) {
+  for (const fascicle_array& array : model->arrays()) {
     if (array.type == FASCICLE_TEXT) {
       all[array.name] = texts_of(array);
       continue;
@@ -137,9 +139,9 @@ void add_model(py::module_& module) {
   const py::object to_logging = py::module_::import("fascicle._progress").attr("log_to_logging");
   py::class_<model, std::shared_ptr<model>> type(module, "Model", model_text);
   type.attr("__module__") = "fascicle";
-  type.def(py::init(&build_model), "scene"_a, py::kw_only(), "mesher"_a = none, "cache"_a = none,
-           "progress"_a = none, py::arg_v("log", to_logging, "log_to_logging"), "Builds a scene's model.")
-      .def_static("of_arrays", &of_arrays, "arrays"_a, of_arrays_text)
+  define_init(type, &build_model, "scene"_a, py::kw_only(), "mesher"_a = none, "cache"_a = none,
+              "progress"_a = none, py::arg_v("log", to_logging, "log_to_logging"), "Builds a scene's model.");
+  type.def_static("of_arrays", &of_arrays, "arrays"_a, of_arrays_text)
       .def_property_readonly("vertex_count", &model::vertex_count, "Vertices of the body.")
       .def_property_readonly("tetrahedron_count", &model::tetrahedron_count, "Tetrahedra of the body.")
       .def_property_readonly("surface_vertex_count", &model::surface_vertex_count,

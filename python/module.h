@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fascicle/fascicle.hpp>
 #include <pybind11/pybind11.h>
@@ -15,6 +17,76 @@
 namespace fascicle_python {
 
 namespace py = pybind11;
+
+struct BakeResult;
+struct Device;
+struct Solver;
+
+// The classes of this module: their arguments are loaded by the casters below.
+template <class T>
+inline constexpr bool is_python_class = false;
+template <>
+inline constexpr bool is_python_class<fascicle::scene> = true;
+template <>
+inline constexpr bool is_python_class<fascicle::model> = true;
+template <>
+inline constexpr bool is_python_class<BakeResult> = true;
+template <>
+inline constexpr bool is_python_class<Device> = true;
+template <>
+inline constexpr bool is_python_class<Solver> = true;
+
+// An object whose __init__() has not finished holds no value, and pybind11 would make one of uninitialised
+// memory. Raises TypeError for such an object of the class that `type` describes.
+inline void must_be_made(py::handle object, const py::detail::type_info* type) {
+  if (!object || type == nullptr || PyType_IsSubtype(Py_TYPE(object.ptr()), type->type) == 0) return;
+  py::detail::values_and_holders parts(reinterpret_cast<py::detail::instance*>(object.ptr()));
+  auto part = parts.find(type);
+  if (part != parts.end() && !part->holder_constructed())
+    throw py::type_error("__init__() of this object has not finished, or has failed");
+}
+
+}  // namespace fascicle_python
+
+// Every file of the module sees these before it takes an argument.
+namespace pybind11::detail {
+
+template <class T>
+class type_caster<T, std::enable_if_t<fascicle_python::is_python_class<T>>> : public type_caster_base<T> {
+ public:
+  bool load(handle source, bool convert) {
+    // None would become a null pointer, which no function of the module takes.
+    if (!source || source.is_none()) return false;
+    fascicle_python::must_be_made(source, this->typeinfo);
+    return type_caster_base<T>::load(source, convert);
+  }
+};
+
+template <class T>
+requires fascicle_python::is_python_class<T>
+class type_caster<std::shared_ptr<T>> : public copyable_holder_caster<T, std::shared_ptr<T>> {
+ public:
+  bool load(handle source, bool convert) {
+    fascicle_python::must_be_made(source, this->typeinfo);
+    return copyable_holder_caster<T, std::shared_ptr<T>>::load(source, convert);
+  }
+};
+
+}  // namespace pybind11::detail
+
+namespace fascicle_python {
+
+// Defines __init__ as py::init(make) does. While `make` runs, a callback or another thread may call __init__
+// of the same object: the first to finish makes the object, and pybind11 would overwrite it with the second.
+template <class Class, class Made, class... Arguments, class... Extra>
+void define_init(Class& type, Made (*make)(Arguments...), const Extra&... extra) {
+  const auto init = [make](py::detail::value_and_holder& self, Arguments... arguments) {
+    Made made = make(std::forward<Arguments>(arguments)...);
+    if (self.holder_constructed()) throw py::type_error("__init__() ran twice at once");
+    py::detail::initimpl::construct<Class>(self, std::move(made), Py_TYPE(self.inst) != self.type->type);
+  };
+  type.def("__init__", init, py::detail::is_new_style_constructor(), extra...);
+}
 
 void add_scene(py::module_& module);   // Scene, formats(), builtin_scenes()
 void add_bake(py::module_& module);    // BakeResult, bake()

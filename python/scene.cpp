@@ -92,10 +92,10 @@ void add_scene(py::module_& module) {
   const py::none none;
   py::class_<fascicle::scene> scene(module, "Scene", scene_text);
   scene.attr("__module__") = "fascicle";
+  define_init(scene, &load_scene, "name"_a, py::kw_only(), "set"_a = none, "clip"_a = none, "fps"_a = none,
+              "start"_a = none, "end"_a = none, "softness"_a = none, "exaggerate"_a = none,
+              "converter"_a = none, "Reads a scene.");
   scene
-      .def(py::init(&load_scene), "name"_a, py::kw_only(), "set"_a = none, "clip"_a = none, "fps"_a = none,
-           "start"_a = none, "end"_a = none, "softness"_a = none, "exaggerate"_a = none, "converter"_a = none,
-           "Reads a scene.")
       .def_static("parse", &parse_scene, "text"_a, "folder"_a = "", py::kw_only(), "set"_a = none,
                   "clip"_a = none, "fps"_a = none, "start"_a = none, "end"_a = none, "softness"_a = none,
                   "exaggerate"_a = none, "converter"_a = none, parse_text)

@@ -16,7 +16,6 @@
 #include "python/module.h"
 
 namespace fascicle_python {
-namespace {
 
 struct Solver {
   fascicle::solver solver;
@@ -24,6 +23,9 @@ struct Solver {
   std::size_t views = 0;  // arrays over this frame's memory that are still in use
   bool busy = false;
 };
+
+namespace {
+
 using Handle = std::shared_ptr<Solver>;
 
 // Runs work that moves the solver to another frame, which invalidates the current frame's memory.
@@ -71,6 +73,7 @@ py::object counted(const Handle& self) {
 
 template <const float* fascicle_frame::*points, std::size_t fascicle_frame::*count>
 py::array view(const Handle& self) {
+  if (!self) throw py::type_error("self is None; it must be a fascicle.Solver");
   const fascicle_frame frame = frame_of(*self);
   return points_view(frame.*points, frame.*points == nullptr ? 0 : frame.*count, counted(self));
 }
@@ -226,9 +229,9 @@ void add_solver(py::module_& module) {
   const std::array<float, 3> zero{};
   py::class_<Solver, Handle> type(module, "Solver", solver_text);
   type.attr("__module__") = "fascicle";
-  type.def(py::init(&make_solver), "model"_a, "device"_a = none, py::kw_only(), "rotation"_a = none,
-           "iterations"_a = none, "viscosity"_a = none, "Creates a solver, at rest.")
-      .def(
+  define_init(type, &make_solver, "model"_a, "device"_a = none, py::kw_only(), "rotation"_a = none,
+              "iterations"_a = none, "viscosity"_a = none, "Creates a solver, at rest.");
+  type.def(
           "start_clip",
           [](Solver& self, const py::object& progress) {
             move_on(self, [&](fascicle::solver& solver) { solver.start_clip(progress_to(progress)); });
