@@ -143,8 +143,16 @@ class Taker {
   template <class T>
   void count(const char*, std::vector<T>& list) {
     if constexpr (std::is_same_v<T, model::Layer>)
-      if (const auto found = given_.find("layer.damping"); found != given_.end())
-        list.resize(found->second.array.count);
+      if (const auto found = given_.find("layer.damping"); found != given_.end()) {
+        const std::size_t layers = found->second.array.count;
+        // check_model has the same limit, but a layer in memory is many times as large as an item of the
+        // array.
+        constexpr std::size_t most_layers = shader::tag_layer_mask + 1;
+        if (layers > most_layers)
+          throw BadArgument("array \"layer.damping\" has " + std::to_string(layers) +
+                            " items; a model has at most " + std::to_string(most_layers) + " layers");
+        list.resize(layers);
+      }
   }
 
   void check_all_taken() const {

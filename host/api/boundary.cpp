@@ -74,6 +74,8 @@ fascicle_status failed_by_exception() noexcept {
     return failed(FASCICLE_BAD_INPUT, error.what());
   } catch (const std::bad_alloc&) {
     return failed(FASCICLE_FAILED, "out of memory; try a coarser mesh");
+  } catch (const std::length_error&) {
+    return failed(FASCICLE_BAD_ARGUMENT, "a count is larger than any memory");
   } catch (const std::exception& error) {
     return failed(FASCICLE_FAILED, error.what());
   } catch (...) {

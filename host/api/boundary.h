@@ -89,11 +89,14 @@ Options taken(const Options* given, void (*init)(Options*, std::size_t), const c
   Options options;
   init(&options, sizeof options);
   if (given == nullptr) return options;
-  if (given->struct_size < sizeof(std::size_t) || given->struct_size > sizeof options)
-    throw BadArgument(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) +
-                      ", and this library knows at most " + std::to_string(sizeof options) +
+  // No struct ends within a pointer, whatever the headers.
+  const std::size_t size = given->struct_size;
+  if (size < sizeof(std::size_t) || size > sizeof options || size % alignof(Options) != 0)
+    throw BadArgument(std::string(name) + ".struct_size is " + std::to_string(size) +
+                      ", and this library knows multiples of " + std::to_string(alignof(Options)) +
+                      " up to " + std::to_string(sizeof options) +
                       "; initialise it with its _default(), from headers no newer than the library");
-  std::memcpy(&options, given, given->struct_size);
+  std::memcpy(&options, given, size);
   options.struct_size = sizeof options;
   return options;
 }

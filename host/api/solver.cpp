@@ -16,6 +16,9 @@
 namespace fascicle::api {
 namespace {
 
+constexpr std::uint32_t most_substeps =
+    1000;  // of a frame, which nothing interrupts; scenes have the same limit
+
 const scene::Scene& scene_of(const fascicle_solver& solver) {
   if (!solver.body->scene)
     throw BadArgument(
@@ -292,7 +295,9 @@ fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascic
     const auto taken = api::taken(drive, fascicle_drive_init, "drive");
     const model::Model& model = solver->body->model;
     const std::size_t substeps = taken.substeps;
-    if (substeps == 0) throw api::BadArgument("drive.substeps is 0; it must be at least 1");
+    if (substeps == 0 || substeps > api::most_substeps)
+      throw api::BadArgument("drive.substeps is " + std::to_string(substeps) + "; it must be from 1 to " +
+                             std::to_string(api::most_substeps));
     const auto bones = api::items_of<shader::Bone>(
         taken.bones, taken.bone_count, substeps * model.joint_count, "drive.bones", "drive.bone_count");
     const auto muscles =

@@ -12,6 +12,9 @@ namespace fascicle::model {
 
 namespace {
 
+// Joints, muscles or forces: solvers have memory for as many as the model names.
+constexpr std::uint32_t most_driven = 65536;
+
 [[noreturn]] void broken(const char* array, std::size_t index, const std::string& promise) {
   std::ostringstream text;
   text << "model: " << array << "[" << index << "]: " << promise;
@@ -290,6 +293,11 @@ void check_skin(const Model& m) {
 
 void check_model(const Model& m) {
   if (m.vertex_count == 0) broken("vertex_count", 0, "is 0");
+  for (const auto& [name, count] :
+       {std::pair("joint_count", m.joint_count), std::pair("muscle_count", m.muscle_count),
+        std::pair("force_count", m.force_count)})
+    if (count > most_driven)
+      broken(name, 0, "is " + std::to_string(count) + ", must be at most " + std::to_string(most_driven));
   int exponent = 0;
   if (!(m.unit > 0.0) || std::frexp(m.unit, &exponent) != 0.5) broken("unit", 0, "is not a power of two");
   if (m.unit > farthest) broken("unit", 0, "is longer than any body");

@@ -80,16 +80,30 @@ struct callbacks {
   }
 };
 
-inline double number(const std::optional<double>& value) {
+// In C, NaN means "not given".
+inline double number(const std::optional<double>& value, const char* name) {
+  if (value && std::isnan(*value)) throw error(FASCICLE_BAD_ARGUMENT, std::string(name) + " is NaN");
   return value ? *value : std::nan("");
 }
-inline const char* text(const std::optional<std::string>& value) {
-  return value ? value->c_str() : nullptr;
+// C would not see what follows a NUL.
+inline const char* text(const std::string& value, const char* name) {
+  if (value.find('\0') != std::string::npos)
+    throw error(FASCICLE_BAD_ARGUMENT, std::string(name) + " holds a NUL character");
+  return value.c_str();
 }
-inline std::vector<const char*> pointers(const std::vector<std::string>& texts) {
+inline const char* text(const std::optional<std::string>& value, const char* name) {
+  return value ? text(*value, name) : nullptr;
+}
+inline std::vector<const char*> pointers(const std::vector<std::string>& texts, const char* name) {
   std::vector<const char*> result;
-  for (const std::string& text : texts) result.push_back(text.c_str());
+  for (const std::string& each : texts) result.push_back(text(each, name));
   return result;
+}
+// A handle that was moved away owns nothing, and some functions of C take null for a default.
+template <class Handle>
+Handle* owned(Handle* handle, const char* name) {
+  if (handle == nullptr) throw error(FASCICLE_BAD_ARGUMENT, std::string("the ") + name + " was moved from");
+  return handle;
 }
 
 }  // namespace detail
@@ -106,7 +120,7 @@ class scene {
  public:
   explicit scene(const std::string& name, const scene_options& options = {}) {
     make(options, [&](const fascicle_scene_options* c, fascicle_scene** made) {
-      return fascicle_scene_load(name.c_str(), c, made);
+      return fascicle_scene_load(detail::text(name, "name"), c, made);
     });
   }
   // From a scene file's text; its file names are relative to `folder`.
@@ -114,12 +128,12 @@ class scene {
                      const scene_options& options = {}) {
     scene parsed;
     parsed.make(options, [&](const fascicle_scene_options* c, fascicle_scene** made) {
-      return fascicle_scene_parse(text.c_str(), folder.c_str(), c, made);
+      return fascicle_scene_parse(detail::text(text, "text"), detail::text(folder, "folder"), c, made);
     });
     return parsed;
   }
 
-  std::string name() const { return fascicle_scene_name(get()); }
+  std::string name() const { return fascicle_scene_name(detail::owned(get(), "scene")); }
   double fps() const { return fascicle_scene_fps(get()); }
   std::uint64_t frame_count() const { return fascicle_scene_frame_count(get()); }
   std::size_t joint_count() const { return fascicle_scene_joint_count(get()); }
@@ -143,16 +157,16 @@ class scene {
   template <class Make>
   void make(const scene_options& options, const Make& call) {
     fascicle_scene_options c = fascicle_scene_options_default();
-    const std::vector<const char*> set = detail::pointers(options.set);
+    const std::vector<const char*> set = detail::pointers(options.set, "set");
     c.set = set.data();
     c.set_count = set.size();
-    c.clip = detail::text(options.clip);
-    c.fps = detail::number(options.fps);
-    c.start = detail::number(options.start);
-    c.end = detail::number(options.end);
-    c.softness = detail::number(options.softness);
-    c.exaggerate = detail::number(options.exaggerate);
-    c.converter = detail::text(options.converter);
+    c.clip = detail::text(options.clip, "clip");
+    c.fps = detail::number(options.fps, "fps");
+    c.start = detail::number(options.start, "start");
+    c.end = detail::number(options.end, "end");
+    c.softness = detail::number(options.softness, "softness");
+    c.exaggerate = detail::number(options.exaggerate, "exaggerate");
+    c.converter = detail::text(options.converter, "converter");
     fascicle_scene* made = nullptr;
     check(call(&c, &made));
     handle_.reset(made);
@@ -179,7 +193,9 @@ class bake_result {
  public:
   explicit bake_result(fascicle_bake* made) : handle_(made) {}
   std::uint64_t frames() const { return fascicle_bake_frames(get()); }
-  std::string position_hash() const { return fascicle_bake_position_hash(get()); }
+  std::string position_hash() const {
+    return fascicle_bake_position_hash(detail::owned(get(), "bake_result"));
+  }
   double look() const { return fascicle_bake_look(get()); }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
@@ -196,23 +212,23 @@ class bake_result {
 inline bake_result bake(const scene& scene, const bake_options& options) {
   detail::callbacks callbacks{options.log, options.progress};
   fascicle_bake_options c = fascicle_bake_options_default();
-  const std::vector<const char*> formats = detail::pointers(options.formats);
-  c.folder = options.folder.c_str();
+  const std::vector<const char*> formats = detail::pointers(options.formats, "formats");
+  c.folder = detail::text(options.folder, "folder");
   c.formats = formats.data();
   c.format_count = formats.size();
-  c.device = options.device.c_str();
+  c.device = detail::text(options.device, "device");
   c.threads = options.threads;
-  c.mesher = detail::text(options.mesher);
-  c.cache = detail::text(options.cache);
+  c.mesher = detail::text(options.mesher, "mesher");
+  c.cache = detail::text(options.cache, "cache");
   c.overwrite = options.overwrite ? 1 : 0;
   c.resume = options.resume ? 1 : 0;
   c.usd_skel = options.usd_skel ? 1 : 0;
   c.keep_frames = options.keep_frames ? 1 : 0;
   if (options.first_frame) c.first_frame = *options.first_frame;
   c.glb_stride = options.glb_stride;
-  c.glb_error = detail::number(options.glb_error);
-  c.glb_tolerance = detail::number(options.glb_tolerance);
-  c.glb_compress = detail::number(options.glb_compress);
+  c.glb_error = detail::number(options.glb_error, "glb_error");
+  c.glb_tolerance = detail::number(options.glb_tolerance, "glb_tolerance");
+  c.glb_compress = detail::number(options.glb_compress, "glb_compress");
   if (options.log) c.log = detail::callbacks::on_log;
   c.progress = detail::callbacks::on_progress;
   c.log_user = c.progress_user = &callbacks;
@@ -229,12 +245,12 @@ class device {
                   const std::optional<std::string>& cache = {}) {
     fascicle_device_options c = fascicle_device_options_default();
     c.threads = threads;
-    c.cache = detail::text(cache);
+    c.cache = detail::text(cache, "cache");
     fascicle_device* made = nullptr;
-    check(fascicle_device_open(name.c_str(), &c, &made));
+    check(fascicle_device_open(detail::text(name, "name"), &c, &made));
     handle_.reset(made);
   }
-  std::string text() const { return fascicle_device_text(get()); }
+  std::string text() const { return fascicle_device_text(detail::owned(get(), "device")); }
   bool is_exact() const { return fascicle_device_is_exact(get()) != 0; }
   const fascicle_device* get() const noexcept { return handle_.get(); }
 
@@ -254,8 +270,8 @@ class model {
   explicit model(const scene& scene, const build_options& options = {}) {
     detail::callbacks callbacks{options.log, options.progress};
     fascicle_build_options c = fascicle_build_options_default();
-    c.mesher = detail::text(options.mesher);
-    c.cache = detail::text(options.cache);
+    c.mesher = detail::text(options.mesher, "mesher");
+    c.cache = detail::text(options.cache, "cache");
     if (options.log) c.log = detail::callbacks::on_log;
     c.progress = detail::callbacks::on_progress;
     c.log_user = c.progress_user = &callbacks;
@@ -285,7 +301,7 @@ class model {
   }
   fascicle_array array(const std::string& name) const {
     fascicle_array found;
-    check(fascicle_model_array(get(), name.c_str(), &found));
+    check(fascicle_model_array(get(), detail::text(name, "name"), &found));
     return found;
   }
   const fascicle_model* get() const noexcept { return handle_.get(); }
@@ -306,7 +322,7 @@ class solver {
   // On the device that "auto" selects: device_text() says which.
   explicit solver(const model& model, const solver_options& options = {}) { make(model, nullptr, options); }
   solver(const model& model, const device& device, const solver_options& options = {}) {
-    make(model, device.get(), options);
+    make(model, detail::owned(device.get(), "device"), options);
   }
 
   void start_clip(const progress_function& progress = {}) {
@@ -369,7 +385,7 @@ class solver {
     return text;
   }
 
-  std::string device_text() const { return fascicle_solver_device_text(get()); }
+  std::string device_text() const { return fascicle_solver_device_text(detail::owned(get(), "solver")); }
 
   std::vector<std::byte> save() const {
     std::size_t size = 0;
@@ -387,12 +403,12 @@ class solver {
  private:
   void make(const model& model, const fascicle_device* device, const solver_options& options) {
     fascicle_solver_options c = fascicle_solver_options_default();
-    c.rotation = detail::text(options.rotation);
+    c.rotation = detail::text(options.rotation, "rotation");
     // In C, 0 means "as the scene says" and is not a number of iterations.
     if (options.iterations == 0u)
       throw error(FASCICLE_BAD_ARGUMENT, "solver_options.iterations is 0; it must be from 1 to 1000");
     c.iterations = options.iterations.value_or(0);
-    c.viscosity = detail::number(options.viscosity);
+    c.viscosity = detail::number(options.viscosity, "viscosity");
     fascicle_solver* made = nullptr;
     check(fascicle_solver_create(model.get(), device, &c, &made));
     handle_.reset(made);

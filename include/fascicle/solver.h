@@ -152,7 +152,7 @@ FASCICLE_API fascicle_status fascicle_solver_clip_pose(fascicle_solver* solver, 
 /* Level 3: the input of a solver for one frame. Working units; arrays hold substeps x the model's count. */
 typedef struct fascicle_drive {
   size_t struct_size;
-  uint32_t substeps;
+  uint32_t substeps;     /* 1 to 1000 */
   double h;              /* s, of a substep */
   double origin[3];      /* m: the origin of this frame's positions */
   float origin_shift[3]; /* origin less the last frame's, working units */

@@ -152,6 +152,23 @@ TEST(CApi, OptionsChangeTheSceneAndBadOnesAreRefused) {
                "struct_size");
 }
 
+// No headers have a struct that ends within a pointer: half of one must not be followed.
+TEST(CApi, OptionsThatEndWithinAFieldAreRefused) {
+  for (std::size_t size = 0; size < sizeof(fascicle_scene_options); ++size) {
+    fascicle_scene_options options = fascicle_scene_options_default();
+    options.clip = "0";
+    options.converter = "no-such-converter";
+    options.struct_size = size;
+    fascicle_scene* scene = nullptr;
+    const fascicle_status status = fascicle_scene_parse(small_bar, nullptr, &options, &scene);
+    if (size == 0 || size % alignof(fascicle_scene_options) != 0) {
+      EXPECT_EQ(status, FASCICLE_BAD_ARGUMENT) << size;
+      EXPECT_NE(message().find("struct_size"), std::string::npos) << size << ": " << message();
+    }
+    fascicle_scene_destroy(scene);
+  }
+}
+
 // As from a program compiled with headers that end after `fps`.
 TEST(CApi, ShorterOptionsOfOlderHeadersAreEnough) {
   fascicle_scene_options options;

@@ -114,6 +114,16 @@ TEST(Arrays, WrongOnesAreNamed) {
   const double none = std::nan("");
   refused("layer.damping", [&](Arrays& a) { named(a, "layer.damping").data = &none; });
   refused("ends before its last text", [](Arrays& a) { --named(a, "layer.name").count; });
+  // A list of as many layers as items would be many times as large as the array.
+  const std::vector<double> damping(1000, 1.0);
+  refused("at most 256 layers", [&](Arrays& a) {
+    named(a, "layer.damping").data = damping.data(), named(a, "layer.damping").count = 1000;
+  });
+  refused("a count is larger", [](Arrays& a) { named(a, "rest").count = ~std::size_t{0} / 4; });
+  // Solvers would allocate for these.
+  const std::uint32_t many = 4000000000;
+  for (const char* count : {"joint_count", "muscle_count", "force_count"})
+    refused(count, [&](Arrays& a) { named(a, count).data = &many; });
   fascicle_array array{};
   EXPECT_EQ(fascicle_model_array(built, "flesh", &array), FASCICLE_BAD_ARGUMENT);
   EXPECT_EQ(fascicle_model_array(built, "rest", &array), FASCICLE_OK);
@@ -133,6 +143,18 @@ TEST(Arrays, WrongDrivesAreRefused) {
   EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_BAD_ARGUMENT) << "decay is null";
   EXPECT_NE(std::string(fascicle_last_message()).find("drive.decay"), std::string::npos);
   EXPECT_EQ(fascicle_solver_step_drive(solver, nullptr), FASCICLE_BAD_ARGUMENT);
+  const float still = 1.0F;
+  drive.decay = &still;
+  // Nothing interrupts a frame, and each frame of these would take a while.
+  for (const std::uint32_t wrong : {0u, 1001u, 1000000u}) {
+    drive.substeps = wrong;
+    EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_BAD_ARGUMENT);
+    EXPECT_NE(std::string(fascicle_last_message()).find("drive.substeps is " + std::to_string(wrong)),
+              std::string::npos);
+  }
+  drive.substeps = 1000;
+  EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_OK) << fascicle_last_message();
+  drive.substeps = 1;
   // Counts are checked before they are used to allocate or read.
   const float one = 1.0F;
   drive.decay = drive.bones = drive.muscles = drive.forces = &one;

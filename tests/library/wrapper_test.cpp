@@ -1,4 +1,5 @@
 // fascicle.hpp: what it adds to the C API: ownership and exceptions.
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -34,6 +35,70 @@ TEST(Wrapper, HandlesMove) {
   other.start_clip();
   other.step_clip();
   EXPECT_EQ(other.positions().size(), 3u * model.vertex_count());
+}
+
+template <class Work>
+void expect_bad_argument(const char* part, const Work& work) {
+  try {
+    work();
+    ADD_FAILURE() << "accepted: " << part;
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_BAD_ARGUMENT) << part;
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+TEST(Wrapper, HandlesThatWereMovedFromAreRefused) {
+  const Folder folder;
+  fascicle::scene scene = fascicle::scene::parse(small_bar);
+  fascicle::model model(scene, {.cache = ""});
+  fascicle::device device("cpu");
+  fascicle::solver solver(model, device);
+  fascicle::bake_result bake = fascicle::bake(scene, {.folder = folder / "a", .device = "cpu", .cache = ""});
+  const fascicle::device other = std::move(device);
+  // It would open "auto".
+  expect_bad_argument("device was moved", [&] { fascicle::solver(model, device); });
+  expect_bad_argument("device was moved", [&] { (void)device.text(); });
+  const fascicle::solver moved = std::move(solver);
+  expect_bad_argument("solver was moved", [&] { (void)solver.device_text(); });
+  expect_bad_argument("solver is null", [&] { solver.step_clip(); });
+  const fascicle::bake_result kept = std::move(bake);
+  expect_bad_argument("bake_result was moved", [&] { (void)bake.position_hash(); });
+  EXPECT_TRUE(bake.files().empty());
+  const fascicle::scene last = std::move(scene);
+  expect_bad_argument("scene was moved", [&] { (void)scene.name(); });
+  EXPECT_THROW((void)scene.joint_name(0), std::out_of_range);
+  expect_bad_argument("scene is null", [&] { fascicle::model{scene}; });
+  EXPECT_EQ(last.name(), "scene");
+}
+
+// C would read such a text up to its NUL, and NaN as "not given".
+TEST(Wrapper, TextsWithNulAndNumbersThatAreNaNAreRefused) {
+  using namespace std::string_literals;
+  const Folder folder;
+  const fascicle::scene scene = fascicle::scene::parse(small_bar);
+  const fascicle::model model(scene, {.cache = ""});
+  const std::string cut = "cpu\0junk"s;
+  expect_bad_argument("name holds a NUL", [&] { fascicle::scene("arm\0junk"s); });
+  expect_bad_argument("text holds a NUL", [&] { (void)fascicle::scene::parse(small_bar + "\0junk"s); });
+  expect_bad_argument("folder holds a NUL", [&] { (void)fascicle::scene::parse(small_bar, cut); });
+  expect_bad_argument("set holds a NUL",
+                      [&] { (void)fascicle::scene::parse(small_bar, "", {.set = {"scene.fps=30\0"s}}); });
+  expect_bad_argument("clip holds a NUL", [&] { fascicle::scene("arm", {.clip = "0\0"s}); });
+  expect_bad_argument("device holds a NUL",
+                      [&] { (void)fascicle::bake(scene, {.folder = folder / "a", .device = cut}); });
+  expect_bad_argument("folder holds a NUL",
+                      [&] { (void)fascicle::bake(scene, {.folder = folder / "a" + cut}); });
+  expect_bad_argument("name holds a NUL", [&] { (void)fascicle::device(cut); });
+  expect_bad_argument("cache holds a NUL", [&] { fascicle::model(scene, {.cache = cut}); });
+  expect_bad_argument("name holds a NUL", [&] { (void)model.array("rest\0"s); });
+  const double none = std::nan("");
+  expect_bad_argument("fps is NaN", [&] { (void)fascicle::scene::parse(small_bar, "", {.fps = none}); });
+  expect_bad_argument("glb_error is NaN", [&] {
+    (void)fascicle::bake(scene, {.folder = folder / "a", .device = "cpu", .glb_error = none});
+  });
+  expect_bad_argument("viscosity is NaN",
+                      [&] { fascicle::solver(model, fascicle::device("cpu"), {.viscosity = none}); });
 }
 
 TEST(Wrapper, ABakeTellsAndIsCancelled) {
