@@ -22,6 +22,8 @@ py::array_t<float> points_to_fill(const std::optional<py::array>& out, std::size
   if (!out) return py::array_t<float>(shape);
   if (!py::isinstance<py::array_t<float, py::array::c_style>>(*out))
     throw py::value_error("out must be a contiguous array of float32");
+  if ((out->flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) == 0)
+    throw py::value_error("out is not aligned in memory; it must be an array as numpy.empty() makes it");
   if (out->ndim() != 2 || out->shape(0) != shape[0] || out->shape(1) != 3)
     throw py::value_error("out has the shape " + shape_text(*out) + "; it must be (" + std::to_string(count) +
                           ", 3)");

@@ -109,11 +109,12 @@ void add_device(py::module_& module) {
               "Opens a device.");
   device
       .def_property_readonly(
-          "text", [](const Device& self) { return self.device.text(); }, "One line for people.")
+          "text", [](const Device& self) { return text_object(self.device.text()); }, "One line for people.")
       .def_property_readonly(
           "is_exact", [](const Device& self) { return self.device.is_exact(); },
           "Whether it gives the same bits as every other exact device.")
-      .def("__repr__", [](const Device& self) { return "<fascicle.Device '" + self.device.text() + "'>"; });
+      .def("__repr__",
+           [](const Device& self) { return text_object("<fascicle.Device '" + self.device.text() + "'>"); });
 }
 
 }  // namespace fascicle_python

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <pybind11/numpy.h>
@@ -21,8 +22,9 @@ using Path = std::filesystem::path;
 std::shared_ptr<fascicle::model> build_model(const fascicle::scene& scene, const std::optional<Path>& mesher,
                                              const std::optional<Path>& cache, const py::object& progress,
                                              const py::object& log) {
+  const py::object function = progress_function_of(progress);
   const fascicle::build_options options{path_text(mesher), path_text(cache), log_to(log),
-                                        progress_to(progress)};
+                                        progress_to(function)};
   return without_lock([&] { return std::make_shared<fascicle::model>(scene, options); });
 }
 
@@ -47,8 +49,8 @@ py::list texts_of(const fascicle_array& array) {
   py::list texts;
   const char* data = static_cast<const char*>(array.data);
   for (std::size_t at = 0; at < array.count;) {
-    const std::string text(data + at);
-    texts.append(text);
+    const std::string_view text(data + at);
+    texts.append(name_object(text));
     at += text.size() + 1;
   }
   return texts;
@@ -82,22 +84,44 @@ fascicle_type type_of(const py::array& array, const std::string& name) {
                        "; a model has float32, float64, uint32, uint8 and records");
 }
 
+// The library takes texts up to a NUL. Raises TypeError, BadArgument.
+std::string text_of(py::handle text, const std::string& what) {
+  if (!py::isinstance<py::str>(text))
+    throw py::type_error(what + " is of the type " + Py_TYPE(text.ptr())->tp_name + "; it must be a str");
+  std::string bytes = name_bytes(text);
+  if (bytes.find('\0') != std::string::npos)
+    throw fascicle::error(FASCICLE_BAD_ARGUMENT, what + " holds a NUL character");
+  return bytes;
+}
+
+// An object as an array. numpy raises ValueError or TypeError for what is none; any other exception, such as
+// MemoryError, is the caller's.
+py::array array_of(py::handle value, const std::string& name) {
+  try {
+    py::array array(py::module_::import("numpy").attr("asarray")(value, py::arg("order") = "C"));
+    if (py::cast<bool>(array.dtype().attr("isnative"))) return array;
+    return array.attr("astype")(array.dtype().attr("newbyteorder")("="));
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
+    throw py::type_error("array \"" + name + "\" is no array");
+  }
+}
+
 std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
   std::deque<std::string> texts;  // strings that `list` points into
   std::vector<py::array> kept;
   std::vector<fascicle_array> list;
-  for (const auto& [key, value] : arrays) {
-    const std::string& name = texts.emplace_back(py::cast<std::string>(key));
+  // A copy, because the caller's objects may change the dict when they become arrays.
+  const py::dict unchanging = arrays.attr("copy")();
+  for (const auto& [key, value] : unchanging) {
+    const std::string& name = texts.emplace_back(text_of(key, "the name of an array"));
     if (py::isinstance<py::list>(value)) {
       std::string& bytes = texts.emplace_back();
-      for (const py::handle text : value) bytes += py::cast<std::string>(text) + '\0';
+      for (const py::handle text : value) bytes += text_of(text, "a text of array \"" + name + "\"") + '\0';
       list.push_back({name.c_str(), FASCICLE_TEXT, 1, bytes.size(), bytes.data()});
       continue;
     }
-    py::array array = py::array::ensure(value, py::array::c_style);
-    if (!array) throw py::type_error("array \"" + name + "\" is no array");
-    if (!py::cast<bool>(array.dtype().attr("isnative")))
-      array = array.attr("astype")(array.dtype().attr("newbyteorder")("="));
+    const py::array array = array_of(value, name);
     list.push_back({name.c_str(), type_of(array, name), static_cast<std::size_t>(array.itemsize()),
                     static_cast<std::size_t>(array.size()), array.data()});
     kept.push_back(array);
@@ -112,7 +136,7 @@ a second to minutes.
 
     mesher    the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
     cache     folder for filled bodies; "": none; None: the program's default
-    progress  called with ("build", 0, 0) repeatedly; returning False or raising ends the build
+    progress  called with ("build", 0, 0) repeatedly; returning False or raising ends the build. True: a line on stderr
     log       called with ("detail", "info" or "warning", message). The default is Python's logging under the name
               "fascicle"; None: no messages
 

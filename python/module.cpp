@@ -34,10 +34,20 @@ const char* text_of(fascicle_phase phase) {
   return "frames";
 }
 
-// fascicle.Error and its subclasses are defined in Python: see fascicle/_errors.py.
+// An object that Python has just made; raises its exception if it has not.
+template <class Object>
+Object made(PyObject* object) {
+  if (object == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<Object>(object);
+}
+
+// fascicle.Error and its subclasses are defined in Python: see fascicle/_errors.py. pybind11 itself raises
+// RuntimeError for an argument within an argument that is of another type.
 void raise_error(std::exception_ptr thrown) {
   try {
     std::rethrow_exception(std::move(thrown));
+  } catch (const py::cast_error& error) {
+    PyErr_SetString(PyExc_TypeError, error.what());
   } catch (const fascicle::error& error) {
     const py::object raised =
         py::module_::import("fascicle._errors")
@@ -106,12 +116,20 @@ void Turn::end_at_exit(py::module_& module) {
 }
 
 py::str text_object(std::string_view text) {
-  return py::reinterpret_steal<py::str>(
-      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+  return made<py::str>(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
+py::str name_object(std::string_view bytes) {
+  return made<py::str>(
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "surrogateescape"));
+}
+
+std::string name_bytes(py::handle text) {
+  return std::string(made<py::bytes>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape")));
 }
 
 py::object path_object(const std::string& path) {
-  return py::reinterpret_steal<py::object>(
+  return made<py::object>(
       PyUnicode_DecodeFSDefaultAndSize(path.data(), static_cast<Py_ssize_t>(path.size())));
 }
 
@@ -132,8 +150,15 @@ fascicle::progress_function progress_to(const py::object& progress) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (progress.is_none()) return true;
     const py::object answer = progress(text_of(phase), done, total);
-    return answer.is_none() || py::cast<bool>(answer);
+    if (answer.is_none()) return true;
+    const int goes_on = PyObject_IsTrue(answer.ptr());
+    if (goes_on < 0) throw py::error_already_set();
+    return goes_on != 0;
   };
+}
+
+py::object progress_function_of(const py::object& progress) {
+  return py::module_::import("fascicle._progress").attr("progress_function")(progress);
 }
 
 }  // namespace fascicle_python

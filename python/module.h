@@ -46,6 +46,15 @@ inline void must_be_made(py::handle object, const py::detail::type_info* type) {
     throw py::type_error("__init__() of this object has not finished, or has failed");
 }
 
+// A name in a scene or a model. It may hold bytes that are not UTF-8, because file names may: in a str they
+// are lone surrogates, as in Python's own file names, so that the str can be given back.
+struct Name {
+  std::string bytes;
+};
+py::str name_object(std::string_view bytes);
+// The inverse, for a str. Raises UnicodeEncodeError, a ValueError, for other lone surrogates.
+std::string name_bytes(py::handle text);
+
 }  // namespace fascicle_python
 
 // Every file of the module sees these before it takes an argument.
@@ -69,6 +78,21 @@ class type_caster<std::shared_ptr<T>> : public copyable_holder_caster<T, std::sh
   bool load(handle source, bool convert) {
     fascicle_python::must_be_made(source, this->typeinfo);
     return copyable_holder_caster<T, std::shared_ptr<T>>::load(source, convert);
+  }
+};
+
+template <>
+class type_caster<fascicle_python::Name> {
+ public:
+  PYBIND11_TYPE_CASTER(fascicle_python::Name, const_name("str"));
+
+  bool load(handle source, bool) {
+    if (!isinstance<str>(source)) return false;
+    value.bytes = fascicle_python::name_bytes(source);
+    return true;
+  }
+  static handle cast(const fascicle_python::Name& name, return_value_policy, handle) {
+    return fascicle_python::name_object(name.bytes).release();
   }
 };
 
@@ -125,7 +149,8 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-// The library's messages and names may hold bytes that are not UTF-8, because file names may.
+// The library's messages may hold bytes that are not UTF-8, because file names may: people see a mark
+// instead.
 py::str text_object(std::string_view text);
 py::object path_object(const std::string& path);
 
@@ -147,6 +172,9 @@ auto without_lock(const Work& work) {
 // signals. The objects must outlive the functions, which acquire the GIL themselves.
 fascicle::log_function log_to(const py::object& log);
 fascicle::progress_function progress_to(const py::object& progress);
+// The function for an argument `progress`, which may also be True (a bar) or False: see
+// fascicle/_progress.py.
+py::object progress_function_of(const py::object& progress);
 
 inline std::optional<std::string> path_text(const std::optional<std::filesystem::path>& path) {
   return path ? std::optional<std::string>(path->string()) : std::nullopt;

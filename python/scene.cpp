@@ -14,33 +14,40 @@ namespace {
 
 using Path = std::filesystem::path;
 using Number = std::optional<double>;
-using Text = std::optional<std::string>;
+using Clip = std::optional<Name>;
 
 // `set` and tables of the scene file as settings such as "layers.fat.alpha=0.2": see fascicle/_settings.py.
 std::vector<std::string> settings_of(const py::object& set, const py::kwargs& tables) {
-  return py::cast<std::vector<std::string>>(
-      py::module_::import("fascicle._settings").attr("settings")(set, tables));
+  std::vector<std::string> settings;
+  for (const py::handle text : py::module_::import("fascicle._settings").attr("settings")(set, tables))
+    settings.push_back(name_bytes(text));
+  return settings;
 }
 
-fascicle::scene load_scene(const Path& name, const py::object& set, Text clip, Number fps, Number start,
-                           Number end, Number softness, Number exaggerate,
+std::optional<std::string> bytes_of(const Clip& clip) {
+  return clip ? std::optional<std::string>(clip->bytes) : std::nullopt;
+}
+
+fascicle::scene load_scene(const Path& name, const py::object& set, const Clip& clip, Number fps,
+                           Number start, Number end, Number softness, Number exaggerate,
                            const std::optional<Path>& converter, const py::kwargs& tables) {
-  const fascicle::scene_options options{settings_of(set, tables), clip, fps, start, end, softness, exaggerate,
-                                        path_text(converter)};
+  const fascicle::scene_options options{
+      settings_of(set, tables), bytes_of(clip), fps, start, end, softness, exaggerate, path_text(converter)};
   return without_lock([&] { return fascicle::scene(name.string(), options); });
 }
 
-fascicle::scene parse_scene(const std::string& text, const Path& folder, const py::object& set, Text clip,
-                            Number fps, Number start, Number end, Number softness, Number exaggerate,
-                            const std::optional<Path>& converter, const py::kwargs& tables) {
-  const fascicle::scene_options options{settings_of(set, tables), clip, fps, start, end, softness, exaggerate,
-                                        path_text(converter)};
+fascicle::scene parse_scene(const std::string& text, const Path& folder, const py::object& set,
+                            const Clip& clip, Number fps, Number start, Number end, Number softness,
+                            Number exaggerate, const std::optional<Path>& converter,
+                            const py::kwargs& tables) {
+  const fascicle::scene_options options{
+      settings_of(set, tables), bytes_of(clip), fps, start, end, softness, exaggerate, path_text(converter)};
   return without_lock([&] { return fascicle::scene::parse(text, folder.string(), options); });
 }
 
-std::vector<std::string> joint_names(const fascicle::scene& scene) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < scene.joint_count(); ++k) names.push_back(scene.joint_name(k));
+std::vector<Name> joint_names(const fascicle::scene& scene) {
+  std::vector<Name> names;
+  for (std::size_t k = 0; k < scene.joint_count(); ++k) names.push_back({scene.joint_name(k)});
   return names;
 }
 
@@ -50,9 +57,9 @@ std::vector<std::int32_t> joint_parents(const fascicle::scene& scene) {
   return parents;
 }
 
-std::vector<std::string> clip_names(const fascicle::scene& scene) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < scene.clip_count(); ++k) names.push_back(scene.clip_name(k));
+std::vector<Name> clip_names(const fascicle::scene& scene) {
+  std::vector<Name> names;
+  for (std::size_t k = 0; k < scene.clip_count(); ++k) names.push_back({scene.clip_name(k)});
   return names;
 }
 
@@ -99,7 +106,9 @@ void add_scene(py::module_& module) {
       .def_static("parse", &parse_scene, "text"_a, "folder"_a = "", py::kw_only(), "set"_a = none,
                   "clip"_a = none, "fps"_a = none, "start"_a = none, "end"_a = none, "softness"_a = none,
                   "exaggerate"_a = none, "converter"_a = none, parse_text)
-      .def_property_readonly("name", &fascicle::scene::name, "The scene's name, as in the manifest.")
+      .def_property_readonly(
+          "name", [](const fascicle::scene& self) { return Name{self.name()}; },
+          "The scene's name, as in the manifest.")
       .def_property_readonly("fps", &fascicle::scene::fps, "Frames per second.")
       .def_property_readonly("frame_count", &fascicle::scene::frame_count, "Frames after frame 0.")
       .def_property_readonly("joint_names", &joint_names,
@@ -107,7 +116,8 @@ void add_scene(py::module_& module) {
       .def_property_readonly("joint_parents", &joint_parents,
                              "The parent of each joint as an index into joint_names; -1 for a root.")
       .def_property_readonly("clip_names", &clip_names, "The character's clips.")
-      .def("__repr__", [](const fascicle::scene& self) { return "<fascicle.Scene '" + self.name() + "'>"; });
+      .def("__repr__",
+           [](const fascicle::scene& self) { return text_object("<fascicle.Scene '" + self.name() + "'>"); });
   module.def(
       "formats", [] { return texts_until_null(fascicle_format_name); },
       "The formats that a bake writes beside its frame cache, manifest and metrics: \"glb\", ...");

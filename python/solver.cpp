@@ -92,6 +92,7 @@ void start_pose(Solver& self, const std::optional<Poses>& joints) {
 }
 
 void step_pose(Solver& self, const std::optional<Poses>& joints, std::optional<double> time, bool jumps) {
+  if (time && std::isnan(*time)) throw fascicle::error(FASCICLE_BAD_ARGUMENT, "time is NaN");
   const std::span<const double> numbers = pose_numbers(joints, self.joints, true);
   move_on(self,
           [&](fascicle::solver& solver) { solver.step_pose(numbers, time.value_or(std::nan("")), jumps); });
@@ -105,7 +106,7 @@ py::array clip_pose(Solver& self, std::uint64_t frame) {
   return joints;
 }
 
-using Floats = std::optional<py::array_t<float, py::array::c_style | py::array::forcecast>>;
+using Floats = std::optional<py::array_t<float, plain_array>>;
 
 std::pair<const float*, std::size_t> items(const Floats& array, py::ssize_t width, const char* name) {
   if (!array) return {nullptr, 0};
@@ -168,7 +169,7 @@ the GIL while it works.)";
 constexpr const char* start_clip_text =
     R"(Moves to frame 0 of the scene's clip, after preroll and settling, with the
 same bits as a bake. `progress` is called with ("lead-in", frames done, 0) before each frame; returning False or
-raising ends the work.)";
+raising ends the work. True is a bar on stderr.)";
 
 constexpr const char* start_pose_text = R"(Starts at rest in a pose: frame 0, at the scene's start time.
 
@@ -179,7 +180,7 @@ constexpr const char* step_pose_text = R"(Steps a frame of 1/fps to a pose.
 
     joints  float64, (joints, 4, 4), as for start_pose; or (substeps, joints, 4, 4), one pose for each of
             Model.substeps. Between frames the maps are interpolated linearly: give substeps if joints rotate
-            by more than about ten degrees per frame. Contiguous float64 is not copied
+            by more than about ten degrees per frame. Aligned, contiguous float64 is not copied
     time    s, at the end of the frame; forces and contractions are evaluated there. None: advances by 1/fps
     jumps   True: a teleport, which carries the flesh along without any effect on its motion)";
 
@@ -187,7 +188,7 @@ constexpr const char* step_drive_text =
     R"(Steps a frame with a solver's raw inputs, in working units (`unit` metres).
 
     h             s, length of a substep
-    substeps      of the frame; the arrays below hold substeps x the model's number of items
+    substeps      of the frame, 1 to 1000; the arrays below hold substeps x the model's number of items
     origin        m: the point that this frame's positions are relative to
     origin_shift  origin minus the previous frame's, working units
     gravity       working units / s^2
@@ -234,7 +235,8 @@ void add_solver(py::module_& module) {
   type.def(
           "start_clip",
           [](Solver& self, const py::object& progress) {
-            move_on(self, [&](fascicle::solver& solver) { solver.start_clip(progress_to(progress)); });
+            const py::object function = progress_function_of(progress);
+            move_on(self, [&](fascicle::solver& solver) { solver.start_clip(progress_to(function)); });
           },
           "progress"_a = none, start_clip_text)
       .def(

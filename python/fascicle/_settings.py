@@ -66,6 +66,8 @@ def settings(set, tables):
             raise TypeError(f"unexpected argument {name!r}; tables of the scene file are given as mappings")
         texts += _flat(table, name)
     for text in texts:
-        if isinstance(text, str) and "\0" in text:
+        if not isinstance(text, str):
+            raise TypeError(f"set: {text!r} is no str such as 'layers.fat.alpha=0.2'")
+        if "\0" in text:
             raise ValueError(f"{text!r}: a setting cannot hold a NUL character")
     return texts
