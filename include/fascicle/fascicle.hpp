@@ -1,5 +1,6 @@
 // The C API in C++20: handles that free themselves, spans, and fascicle::error in place of status codes. This
 // header only wraps calls of fascicle.h, which documents the arguments, units and threads of each function.
+// It also refuses what C could not see: a text with a NUL character, and NaN for an optional number.
 //
 //   fascicle::scene scene("man.glb");
 //   fascicle::bake_result bake = fascicle::bake(scene, {.folder = "out", .formats = {"glb", "pc2"}});
