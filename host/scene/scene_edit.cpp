@@ -351,6 +351,8 @@ void apply(toml::table& root, const KeyChange& change, const std::vector<std::st
 
 std::vector<EditedTable> edited_tables(const std::string& text, const std::string& source) {
   const toml::table root = parse_toml(text, source);
+  // The text may be a stranger's. What follows relies on the types of its values.
+  check_scene(root);
   static const toml::table empty;
   std::vector<EditedTable> all;
   for (const Key& key : scene_table().keys) {

@@ -29,7 +29,7 @@ struct EditedTable {
 };
 
 // Every table of the text and those it may add, in the order of the table of keys; of tables with user-chosen
-// names, only those that exist. load_scene or parse_scene must have accepted `text`.
+// names, only those that exist. Throws SceneError if `text` is not TOML or fails check_scene.
 std::vector<EditedTable> edited_tables(const std::string& text, const std::string& source);
 
 struct KeyChange {

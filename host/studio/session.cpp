@@ -299,7 +299,7 @@ void Session::send_start(PageId page) {
 }
 
 void Session::page_opened(PageId page) {
-  {
+  try {
     const std::lock_guard lock(mutex_);
     if (server_ == nullptr) return;
     const bool has_surface = body_message_["counts"]["surface_vertices"] > 0;
@@ -307,6 +307,12 @@ void Session::page_opened(PageId page) {
         .blocks = bit_of(has_surface ? Block::surface : Block::vertices), .beside_blocks = 0, .refused = 0};
     send_start(page);
     player_->watch(true);
+  } catch (const std::exception& error) {
+    // On the server's thread, an exception would end the program.
+    pipeline::say_warning(say_, std::string("a page could not be opened: ") + error.what());
+    const std::lock_guard lock(mutex_);
+    if (server_ != nullptr) server_->close(page, error.what());
+    return;
   }
   // A page that opens while nothing plays still needs a frame.
   player_->post([this](Motion& motion) { player_->show(motion.again()); });

@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/studio/session_file.h"
 #include "tests/fuzz/seeds.h"
@@ -15,13 +17,14 @@ void add_studio_seeds(std::vector<Seed>& seeds) {
       R"({"type":"seek","frame":12})"};
   for (std::size_t k = 0; k < messages.size(); ++k)
     seeds.push_back({"message", std::to_string(k), messages[k]});
+  const std::string bar = "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [9, 3, 3]\n";
   studio::SessionRecord record{.source = "man.toml",
                                .base_hash = "0123456789abcdef",
-                               .steps = {{"", "[scene]\n"}, {"softer", "[scene]\nfps = 30\n"}},
+                               .steps = {{"", bar}, {"faster", bar + "[scene]\nfps = 30\nend = 1.0 # s\n"}},
                                .at = 1};
   const studio::Paints paints{
       {"character.paint", std::make_shared<const std::string>("{\"fascicle_paint\": 1}")}};
-  record.steps.push_back({"paint", "a", paints});
+  record.steps.push_back({"paint", bar + "[layers]\nfat = { alpha = 0.5 }\nskin.beta = 0.5\n", paints});
   seeds.push_back({"session", "three", studio::session_text(record)});
 }
 

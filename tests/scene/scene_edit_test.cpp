@@ -141,6 +141,16 @@ TEST(SceneEdit, KeysSayWhatHolds) {
   EXPECT_EQ(find(tables, "mesh.file"), nullptr);
 }
 
+// A session of the studio may be a stranger's, and hold any text.
+TEST(SceneEdit, ATextThatNoSceneHasIsRefused) {
+  const std::string bar = "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [9, 3, 3]\n";
+  EXPECT_NO_THROW((void)edited_tables(bar + "[layers.fat]\ndensity = 900.0\n", "scene.toml"));
+  for (const char* wrong :
+       {"[layers]\nfat = 1\n", "[layers.fat]\ndensity = \"x\"\n", "layers = 1\n", "[bones]\na = 1\n",
+        "[character]\na = 1\n", "[force]\na = []\n", "[muscle]\na = 1\n"})
+    EXPECT_THROW((void)edited_tables(bar + wrong, "scene.toml"), base::SceneError) << wrong;
+}
+
 // Sets every number of every built-in scene to itself, one by one: the text changes only in number format,
 // and the scene stays the same.
 TEST(SceneEdit, EveryKeyOfTheBuiltInScenesCanBeSet) {
