@@ -33,8 +33,9 @@ using beast::error_code;
 
 namespace {
 
-constexpr auto request_patience = std::chrono::seconds(30);  // to receive a request, and to send an answer
-constexpr auto parting_patience = std::chrono::seconds(5);   // for a page that is sent away to say goodbye
+constexpr auto request_patience = std::chrono::seconds(5);  // to receive a request
+constexpr auto answer_patience = std::chrono::seconds(30);  // to send an answer
+constexpr auto parting_patience = std::chrono::seconds(5);  // for a page that is sent away to say goodbye
 constexpr std::uint32_t longest_header = 16 << 10;
 constexpr std::uint64_t longest_body = 1 << 10;
 // The kernel's send buffer per page: small, so that for slow pages frames are dropped here instead of queued
@@ -60,6 +61,7 @@ struct Server::Impl {
   ~Impl();
 
   void accept();
+  bool makes_room();
   std::shared_ptr<Page> page(PageId id) const;
   void add(const std::shared_ptr<Page>& page);
   void remove(PageId id);
@@ -71,7 +73,8 @@ struct Server::Impl {
   tcp::acceptor acceptor{context};
   asio::steady_timer pause{context};
   std::uint16_t port = 0;
-  mutable std::mutex mutex;  // guards the members below
+  std::deque<std::weak_ptr<Request>> requests;  // oldest first; for the server's thread
+  mutable std::mutex mutex;                     // guards the members below
   std::map<PageId, std::shared_ptr<Page>> pages;
   PageId last_page = 0;
   std::thread thread;
@@ -266,6 +269,8 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
       self->take(self->parser_->release());
     });
   }
+  // Ends what is under way, without an answer.
+  void drop() { stream_.close(); }
 
  private:
   // A header's value if it occurs exactly once.
@@ -351,7 +356,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     response.prepare_payload();
     if (is_head_) response.body().clear();
     response_ = std::move(response);
-    stream_.expires_after(request_patience);
+    stream_.expires_after(answer_patience);
     const auto then = [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return;
       self->keeps_alive_ ? self->read() : self->end();
@@ -400,6 +405,17 @@ Server::Impl::~Impl() {
   thread.join();
 }
 
+// Whether there is room for one more connection. Drops the oldest request if need be: it needed no token, so
+// it must not keep the user's page out.
+bool Server::Impl::makes_room() {
+  std::erase_if(requests, [](const auto& request) { return request.expired(); });
+  if (connections < options.most_connections) return true;
+  if (requests.empty()) return false;
+  if (const auto oldest = requests.front().lock()) oldest->drop();
+  requests.pop_front();
+  return true;
+}
+
 void Server::Impl::accept() {
   acceptor.async_accept([this](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
@@ -411,12 +427,14 @@ void Server::Impl::accept() {
       });
       return;
     }
-    if (connections < options.most_connections) {
+    if (makes_room()) {
       close_on_exec(socket.native_handle());
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       socket.set_option(asio::socket_base::send_buffer_size(socket_buffer), ignored);
-      std::make_shared<Request>(*this, std::move(socket))->read();
+      const auto request = std::make_shared<Request>(*this, std::move(socket));
+      requests.push_back(request);
+      request->read();
     }
     accept();
   });

@@ -29,9 +29,10 @@ struct ServerOptions {
   std::uint16_t port = 0;  // 0: any free port
   std::string token = {};
   std::vector<ServedFile> files = {};
-  std::size_t longest_message = 256 << 10;            // from a page, bytes
-  std::size_t most_pages = 8;                         // open at a time
-  std::size_t most_connections = 64;                  // of all kinds
+  std::size_t longest_message = 256 << 10;  // from a page, bytes
+  std::size_t most_pages = 8;               // open at a time
+  // Of all kinds. One more ends the oldest that is not an open page.
+  std::size_t most_connections = 64;
   std::size_t most_waiting = std::size_t{256} << 20;  // bytes queued for a page before it is disconnected
 };
 

@@ -12,7 +12,9 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/studio/client.h"
 
@@ -197,6 +199,58 @@ TEST_F(ServerTest, TooManyPagesAreRefused) {
   Client one(server_.port(), token_), two(server_.port(), token_);
   ASSERT_TRUE(soon([&] { return opened_ == 2; }));
   EXPECT_EQ(upgrade(token_, ""), 503);
+}
+
+// Connections that say nothing.
+class Idle {
+ public:
+  Idle(std::uint16_t port, int count) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    for (int k = 0; k < count; ++k) {
+      sockets_.push_back(::socket(AF_INET, SOCK_STREAM, 0));
+      EXPECT_EQ(::connect(sockets_.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    }
+  }
+  ~Idle() {
+    for (const int socket : sockets_) ::close(socket);
+  }
+  Idle(const Idle&) = delete;
+  Idle& operator=(const Idle&) = delete;
+  // Whether the server ends the first one within this time.
+  bool is_first_ended_in(std::chrono::milliseconds time) const {
+    pollfd first{sockets_.front(), POLLIN, 0};
+    char byte = 0;
+    return ::poll(&first, 1, static_cast<int>(time.count())) == 1 &&
+           ::recv(sockets_.front(), &byte, 1, 0) <= 0;
+  }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+// Idle connections need no token, and as many as there may be came first.
+TEST_F(ServerTest, IdleConnectionsKeepNoPageOut) {
+  Client early(server_.port(), token_);
+  ASSERT_TRUE(soon([&] { return opened_ == 1; }));
+  const Idle idle(server_.port(), 100);
+  EXPECT_EQ(status_of(get("/")), 200);
+  Client late(server_.port(), token_);
+  ASSERT_TRUE(soon([&] { return opened_ == 2; }));
+  EXPECT_TRUE(idle.is_first_ended_in(std::chrono::milliseconds(500))) << "the oldest makes room";
+  early.say_text("still here");
+  EXPECT_TRUE(soon([&] {
+    const std::lock_guard lock(mutex_);
+    return received_.size() == 1;
+  }));
+}
+
+TEST_F(ServerTest, AConnectionThatSaysNothingEnds) {
+  const Idle idle(server_.port(), 1);
+  EXPECT_FALSE(idle.is_first_ended_in(std::chrono::milliseconds(1000))) << "a header may take a moment";
+  EXPECT_TRUE(idle.is_first_ended_in(std::chrono::milliseconds(9000)));
 }
 
 TEST_F(ServerTest, APageThatDoesNotReadLosesFramesAndKeepsNone) {
