@@ -79,6 +79,14 @@ std::uint32_t PaintGround::nearest(const Vector3d& place) const {
   return best;
 }
 
+std::size_t PaintGround::count_within(const Vector3d& place, double radius) const {
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < place_.size(); ++p)
+    if ((place_[p] - place).squaredNorm() <= radius * radius)
+      count += vertex_offset_[p + 1] - vertex_offset_[p];
+  return count;
+}
+
 double PaintGround::distance_to(const Vector3d& place) const {
   return place_.empty() ? std::numeric_limits<double>::infinity() : (place_[nearest(place)] - place).norm();
 }
@@ -116,6 +124,26 @@ const PaintPlace* place_under(std::span<const PaintPlace> places, const Vector3d
     if (distance < least) least = distance, best = &one;
   }
   return best;
+}
+
+bool reaches_too_many(const Brush& brush, std::span<const PaintPlace> grounds,
+                      std::span<const std::array<double, 3>> places) {
+  const std::size_t sides = brush.is_mirrored ? 2 : 1;
+  std::size_t vertices = 0;
+  for (const PaintPlace& one : grounds) vertices = std::max(vertices, one.ground->surface().vertices.size());
+  // A place paints one character.
+  if (sides * places.size() * vertices <= most_reached) return false;
+  std::size_t reached = 0;
+  for (const auto& of_page : places) {
+    const Vector3d place(of_page[0], of_page[1], of_page[2]);
+    const PaintPlace* under = place_under(grounds, place);
+    if (under == nullptr || under->is_rigid) continue;
+    const Vector3d own = place - under->offset;
+    reached += under->ground->count_within(own, brush.radius);
+    if (brush.is_mirrored) reached += under->ground->count_within(mirrored(own), brush.radius);
+    if (reached > most_reached) return true;
+  }
+  return false;
 }
 
 Painting::Painting(std::shared_ptr<const PaintGround> ground, const rig::Paint& paint)

@@ -28,6 +28,8 @@ class PaintGround {
   // Vertices within the radius that are connected with the nearest one, so paint does not jump across gaps.
   // The nearest one is reached however small the radius is, up to `farthest` from the place.
   std::vector<Reached> reached(const Vector3d& place, double radius, double farthest) const;
+  // The number of vertices within the radius, connected or not.
+  std::size_t count_within(const Vector3d& place, double radius) const;
   // From the place to the nearest vertex, m.
   double distance_to(const Vector3d& place) const;
 
@@ -74,6 +76,13 @@ struct Brush {
   bool is_mirrored = false;  // at the plane x = 0
   bool erases = false;       // restores what the character's file has
 };
+
+// Limit on the vertices that the brush reaches at the places of one message, all together: about a second's
+// work.
+inline constexpr std::size_t most_reached = std::size_t{1} << 25;
+// Whether the brush may reach more. `places`: in the scene's bind pose.
+bool reaches_too_many(const Brush& brush, std::span<const PaintPlace> grounds,
+                      std::span<const std::array<double, 3>> places);
 
 // Paint being edited.
 class Painting {
