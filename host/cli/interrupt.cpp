@@ -27,11 +27,24 @@ void on_signal(int number) {
   first_number = number;
 }
 
-// The parent process may have blocked them.
-void unblock() {
+void on_hangup(int) {
+  interrupted = true;
+}
+
+void handle(int number, void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  ::sigemptyset(&action.sa_mask);
+  // Restart interrupted writes of frames: a signal ends the loop, not a write.
+  action.sa_flags = SA_RESTART;
+  struct sigaction before {};
+  // A job started with the signal ignored (nohup, a shell's background job) keeps ignoring it.
+  if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+    ::sigaction(number, &action, nullptr);
+  // The parent process may have blocked it.
   sigset_t set;
   ::sigemptyset(&set);
-  for (const int number : numbers) ::sigaddset(&set, number);
+  ::sigaddset(&set, number);
   ::sigprocmask(SIG_UNBLOCK, &set, nullptr);
 }
 
@@ -40,18 +53,11 @@ void unblock() {
 void catch_interrupts() {
   // A parent that ignores the ends of its children passes that on; the ends of ours would then never be seen.
   ::signal(SIGCHLD, SIG_DFL);
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  ::sigemptyset(&action.sa_mask);
-  // Restart interrupted writes of frames: a signal ends the loop, not a write.
-  action.sa_flags = SA_RESTART;
-  for (const int number : numbers) {
-    struct sigaction before {};
-    // A job started with the signal ignored (nohup, a shell's background job) keeps ignoring it.
-    if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
-      ::sigaction(number, &action, nullptr);
-  }
-  unblock();
+  for (const int number : numbers) handle(number, on_signal);
+}
+
+void catch_hangups() {
+  handle(SIGHUP, on_hangup);
 }
 
 const std::atomic<bool>& interrupts() {

@@ -12,6 +12,10 @@ void catch_interrupts();
 // order.
 const std::atomic<bool>& interrupts();
 
+// From now on SIGHUP sets the flag too, unless it was ignored (nohup). A terminal that closes may send
+// several, so a second one does nothing more.
+void catch_hangups();
+
 // Until the next call of interrupts(), a signal ends the process at once with ExitCode::interrupted, because
 // nothing has begun yet. Reading a character can take a minute.
 void end_at_once_until_asked();

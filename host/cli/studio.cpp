@@ -141,6 +141,7 @@ ExitCode run_studio(const StudioArguments& arguments, Log& log) {
     log.info("studio of " + shown_text(session->name()) + (session->is_restored() ? ", as it was left" : "") +
              "; Ctrl-C ends it, and changes are kept");
     way = open_browser(address, session->folder(), log);
+  catch_hangups();
   };
   try {
     studio::run_studio(*session, {.port = arguments.port, .page = studio::page_bundle()}, interrupted, ready);

@@ -58,7 +58,7 @@ void wait_until_open(std::uint16_t port, Program& program) {
 
 TEST(StudioProgram, PrintsItsAddressAndEndsWithASignal) {
   const TemporaryFolder folder;
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const std::uint16_t port = free_port();
     Program program({"studio", "bar-beta-1", "--headless", "--port", std::to_string(port), "-o",
                      folder / "session", "--device", "cpu"});
