@@ -158,8 +158,19 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
   if (files_before != nullptr) files_before->keep(path, still, scene);
 }
 
+namespace {
+
+// The file itself, however it is spelled, so that it is kept once.
+std::filesystem::path file_at(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::path file = std::filesystem::weakly_canonical(path, error);
+  return error ? path : file;
+}
+
+}  // namespace
+
 const Scene* LoadedFiles::find(const std::filesystem::path& path, gltf::Still still) const {
-  const auto found = read_.find({path, still});
+  const auto found = read_.find({file_at(path), still});
   return found == read_.end() ? nullptr : found->second.get();
 }
 
@@ -167,7 +178,7 @@ void LoadedFiles::keep(const std::filesystem::path& path, gltf::Still still, con
   auto kept = std::make_unique<Scene>();
   kept->geometry = loaded.geometry;
   kept->input_hashes = loaded.input_hashes;
-  read_[{path, still}] = std::move(kept);
+  read_[{file_at(path), still}] = std::move(kept);
 }
 
 const rig::Character& LoadedFiles::made(const std::string& name) {
@@ -177,9 +188,10 @@ const rig::Character& LoadedFiles::made(const std::string& name) {
 
 const std::string& LoadedFiles::text_of(const std::filesystem::path& path, std::uintmax_t most_bytes) {
   if (const auto given = given_.find(path); given != given_.end()) return given->second;
-  const auto read = texts_.find(path);
+  const std::filesystem::path file = file_at(path);
+  const auto read = texts_.find(file);
   return read != texts_.end() ? read->second
-                              : texts_.emplace(path, read_text_file(path, most_bytes)).first->second;
+                              : texts_.emplace(file, read_text_file(path, most_bytes)).first->second;
 }
 
 void LoadedFiles::give(const std::filesystem::path& path, std::optional<std::string> text) {

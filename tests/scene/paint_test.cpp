@@ -351,6 +351,10 @@ TEST(ScenePaint, ATextCanStandForTheFile) {
   EXPECT_EQ(rigid(), 3);
   painted.write({{"_RIGID", {4}, {1.0f}}});
   EXPECT_EQ(rigid(), 3);
+  const std::filesystem::path other = painted.folder.path() / "." / "arm.paint.json";
+  EXPECT_EQ(files.text_of(other, most_paint_bytes),
+            files.text_of(painted.folder.path() / "arm.paint.json", most_paint_bytes))
+      << "another spelling is the same file";
   const std::filesystem::path file = painted.folder.path() / "arm.paint.json";
   files.give(file, paint_text(paint_of(painted.arm, {{"_RIGID", {5}, {1.0f}}})));
   EXPECT_EQ(rigid(), 5);
