@@ -169,6 +169,12 @@ void Session::start_player(std::unique_ptr<Motion> motion) {
   player_->watch(false);
 }
 
+// Whether the GPU failed that the studio chose by itself.
+bool Session::is_left_to_cpu(const std::exception& error) const {
+  return dynamic_cast<const gpu::DeviceError*>(&error) != nullptr &&
+         options_.device.kind == pipeline::DeviceRequest::Kind::automatic;
+}
+
 PlayerEvents Session::player_events() {
   return {.on_frame = [this](Motion& motion, const ShownFrame& frame) { show(motion, frame); },
           .on_state =
@@ -179,8 +185,7 @@ PlayerEvents Session::player_events() {
           .on_trouble =
               [this](const std::exception& error) {
                 std::string text = error.what();
-                const bool leaves_gpu = dynamic_cast<const gpu::DeviceError*>(&error) != nullptr &&
-                                        options_.device.kind == pipeline::DeviceRequest::Kind::automatic;
+                const bool leaves_gpu = is_left_to_cpu(error);
                 if (!leaves_gpu) pipeline::say_warning(say_, text);
                 const std::lock_guard lock(mutex_);
                 const PlayerMode mode = player_->state().mode;
@@ -195,8 +200,7 @@ PlayerEvents Session::player_events() {
                   broadcast(player_json());
                   builder_wakes_.notify_all();
                 }
-                if (hand_of_)
-                  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+                if (hand_of_) release_hand();
                 let_go();
                 if (is_told) return;
                 broadcast({{"type", "failed"}, {"what", "motion"}, {"error", text}});
@@ -329,7 +333,7 @@ void Session::page_closed(PageId page) {
     }
   if (hand_of_ != page) return;
   hand_of_.reset();
-  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+  release_hand();
 }
 
 void Session::page_said(PageId page, bool is_text, const std::string& bytes) {

@@ -37,6 +37,8 @@ namespace fascicle::studio {
 inline constexpr const char* gpu_failed = "the GPU failed";
 // What pages show until the body for the CPU is there.
 inline constexpr const char* gpu_left = "Moving to the CPU";
+// Why the player takes no more requests.
+inline constexpr const char* too_many_wait = "too many requests are waiting; try again in a moment";
 
 struct SessionOptions {
   std::filesystem::path folder;  // where scenes and bakes are saved
@@ -108,6 +110,7 @@ class Session {
 
   // session.cpp
   PlayerEvents player_events();
+  bool is_left_to_cpu(const std::exception& error) const;
   void start_player(std::unique_ptr<Motion> motion);
   void must_be_live() const;
   void let_go();
@@ -125,15 +128,16 @@ class Session {
   void obey(PageId page, const Command& command);
   void obey_player(const Command& command);
   void obey_hand(PageId page, const Command& command);
+  void release_hand();
 
   // session_changes.cpp
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
+  void keep_old_session(const std::string& why);
   // `is_running`: the live body already has this text.
   void take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                  bool is_running = false);
   void step_in_history(bool is_undo);
-  void keep_old_session(const std::string& why);
   void build_on();
   std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision);
   bool may_leave_gpu() const;
@@ -212,6 +216,7 @@ class Session {
   std::map<PageId, Page> pages_;
   std::optional<PageId> hand_of_;
   std::optional<Vector3d> hand_place_;  // new target, not yet seen by the player
+  bool release_waits_ = false;          // for the player
   std::optional<History> history_;
   std::vector<scene::EditedTable> tables_;  // of the current text
   std::uint32_t revision_ = 1;              // of the current text

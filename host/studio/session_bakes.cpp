@@ -26,6 +26,14 @@ constexpr auto look_again = std::chrono::milliseconds(1);
 constexpr auto pace_of_progress = std::chrono::milliseconds(100);
 constexpr std::uint64_t most_scene_bytes = std::uint64_t{16} << 20;
 
+// A link of that name may lead anywhere, and a bake would write there.
+void refuse_link(const fs::path& folder) {
+  if (fs::is_symlink(fs::symlink_status(folder)))
+    throw std::runtime_error(folder.string() +
+                             ": is a symbolic link, and nothing is written through one; choose another name, "
+                             "or move it away");
+}
+
 }  // namespace
 
 void Session::record() {
@@ -33,7 +41,7 @@ void Session::record() {
     auto& live = static_cast<LiveMotion&>(motion);
     {
       const std::lock_guard lock(mutex_);
-      hand_of_.reset();
+      let_go();
     }
     std::set<PageId> asleep;  // pages that did not respond in time
     const auto wait_for_pages = [&] {
@@ -73,7 +81,7 @@ void Session::record() {
                {"hashes", std::move(hashes)},
                {"seconds", recording.seconds}});
   });
-  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
+  if (!is_taken) throw std::runtime_error(too_many_wait);
 }
 
 // The current text, with file names relative to the session's folder. `paint_names`: names of the session's
@@ -164,6 +172,7 @@ fs::path Session::save(const Command& command, Json& answer) {
 void Session::bake(const Command& command) {
   if (bakes_) throw std::runtime_error("a bake is under way; stop it, or wait until it ends");
   const std::string folder = command.name.empty() ? "bake" : command.name;
+  refuse_link(options_.folder / folder);
   if (!command.overwrite && bake::holds_bake(options_.folder / folder))
     throw std::runtime_error((options_.folder / folder).string() +
                              " already holds a bake; choose another name, or overwrite it");
@@ -218,6 +227,8 @@ void Session::bake(const Command& command) {
           broadcast(std::move(message));
         };
         try {
+          // The bake may have waited for a long time.
+          refuse_link(request.output.folder);
           tell("build", 0, 0);
           scene::SceneOverrides overrides;
           overrides.converter = converter_;
@@ -242,7 +253,7 @@ void Session::bake(const Command& command) {
           end({{"type", "failed"}, {"what", "bake"}, {"error", error.what()}});
         }
       });
-  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
+  if (!is_taken) throw std::runtime_error(too_many_wait);
   bakes_ = true;
 }
 

@@ -34,7 +34,7 @@ void Session::choose_beside(const std::string& name) {
         put_beside(chosen);
         player_->show(motion.again());
       }))
-    throw std::runtime_error("too many requests are waiting; try again in a moment");
+    throw std::runtime_error(too_many_wait);
 }
 
 // On the player's thread. If the bake cannot be opened, the previous one stays.

@@ -201,7 +201,15 @@ void Session::build(const Order& order) {
       }
       if (!next) return;
       auto& live = static_cast<LiveMotion&>(motion);
-      const ShownFrame frame = live.take(next->body);
+      ShownFrame frame;
+      try {
+        frame = live.take(next->body);
+      } catch (const std::exception& error) {
+        // If the GPU failed, the CPU takes over: player_events.
+        if (is_left_to_cpu(error)) throw;
+        // The old body is still there.
+        return take_back(next->body->revision(), error.what());
+      }
       meter_.reset();  // it belonged to the old model
       {
         const std::lock_guard lock(mutex_);

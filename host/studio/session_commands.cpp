@@ -117,7 +117,7 @@ void Session::obey_player(const Command& command) {
         return player_->restart();
     }
   }();
-  if (!is_taken) throw std::runtime_error("too many requests are waiting; try again in a moment");
+  if (!is_taken) throw std::runtime_error(too_many_wait);
 }
 
 void Session::obey_hand(PageId page, const Command& command) {
@@ -133,8 +133,7 @@ void Session::obey_hand(PageId page, const Command& command) {
       vertex = model.surface_vertex[4 * vertex + most];
     }
     if (vertex >= model.vertex_count) throw std::runtime_error("the model has no such vertex");
-    hand_of_ = page;
-    player_->post([this, page, command, vertex, body = body_number_](Motion& motion) {
+    const bool is_taken = player_->post([this, page, command, vertex, body = body_number_](Motion& motion) {
       auto& live = static_cast<LiveMotion&>(motion);
       const Vector3d place(command.vector[0], command.vector[1], command.vector[2]);
       std::size_t held = 0;
@@ -149,6 +148,8 @@ void Session::obey_hand(PageId page, const Command& command) {
       if (held == 0) hand_of_.reset();
       broadcast({{"type", "hand"}, {"is_held", held > 0}, {"vertices", held}});
     });
+    if (!is_taken) throw std::runtime_error(too_many_wait);
+    hand_of_ = page;
     return;
   }
   if (hand_of_ != page) throw std::runtime_error("this page is not holding any flesh");
@@ -169,7 +170,20 @@ void Session::obey_hand(PageId page, const Command& command) {
     return;
   }
   let_go();
-  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+  release_hand();
+}
+
+// Lets go of the flesh, between two frames. One release is enough for all that wait: a grab after it that is
+// no longer wanted finds hand_of_ empty.
+void Session::release_hand() {
+  if (std::exchange(release_waits_, true)) return;
+  player_->post_needed([this](Motion& motion) {
+    {
+      const std::lock_guard lock(mutex_);
+      release_waits_ = false;
+    }
+    static_cast<LiveMotion&>(motion).release();
+  });
 }
 
 }  // namespace fascicle::studio

@@ -1,9 +1,11 @@
 // What the studio records, saves and bakes, and the bakes that it plays.
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -135,6 +137,85 @@ TEST_F(SessionTest, FoldersAndFilesOfOthersAreNotOverwritten) {
   client->say({{"type", "bake"}, {"overwrite", true}});
   client->wait_for("baked");
   EXPECT_THROW(Running(scene_.string(), folder_ / "session", folder_ / "cache"), bake::FolderInUse);
+}
+
+// A link in the folder may lead out of it.
+TEST_F(SessionTest, NoBakeFollowsALink) {
+  fs::create_directories(folder_ / "elsewhere");
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "session" / "out");
+  for (const bool overwrites : {false, true}) {
+    client->say({{"type", "bake"}, {"folder", "out"}, {"overwrite", overwrites}});
+    EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("symbolic link"),
+              std::string::npos);
+  }
+  // While the bake waits for a recorded run, the link appears.
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 5.0}}}});
+  client->wait_for("applied");
+  client->say({{"type", "record"}});
+  client->say({{"type", "bake"}, {"folder", "late"}});
+  client->wait_for("saved");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "session" / "late");
+  client->say({{"type", "cancel"}});
+  client->say({{"type", "pause"}});
+  Json end = client->wait_for("failed");
+  EXPECT_NE(end.at("error").get<std::string>().find("symbolic link"), std::string::npos) << end;
+  EXPECT_TRUE(fs::is_empty(folder_ / "elsewhere"));
+}
+
+// Requests of the hand wait while the player is busy, and only so many may wait.
+TEST_F(SessionTest, TheHandWaitsForABakeWithinLimits) {
+  base::write_whole(scene_, std::string(bar_text) + "[motion]\nhold = 60.0\n");
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  Json grab{
+      {"type", "hand"}, {"action", "grab"}, {"vertex", 80}, {"of", "vertices"}, {"place", {0.4, 0.1, 0.1}}};
+  client->say({{"type", "bake"}});
+  client->wait_for("baking");
+  for (int k = 0; k < 1100; ++k) {
+    client->say(grab);
+    client->say({{"type", "hand"}, {"action", "release"}});
+  }
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("too many requests"),
+            std::string::npos);
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("not holding"), std::string::npos)
+      << "a grab that was refused holds nothing";
+  client->say({{"type", "cancel"}});
+  client->wait_for("cancelled");
+  // The flesh can be held again as soon as what waited is over.
+  const auto is_taken = [&] {
+    client->say(grab);
+    while (const auto message = client->next()) {
+      if (!message->is_text) continue;
+      const Json json = Json::parse(message->bytes);
+      if (json.value("id", 0) == 1) return json.at("type") == "done";
+    }
+    return false;
+  };
+  grab["id"] = 1;
+  bool is_held = false;
+  for (int k = 0; k < 100 && !is_held; ++k) {
+    is_held = is_taken();
+    if (!is_held) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  ASSERT_TRUE(is_held);
+  Json held = client->wait_for("hand");
+  while (held.at("is_held") != true) held = client->wait_for("hand");
+  EXPECT_GT(held.at("vertices"), 0);
+}
+
+TEST_F(SessionTest, ARecordedRunTakesTheHandAway) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say(
+      {{"type", "hand"}, {"action", "grab"}, {"vertex", 80}, {"of", "vertices"}, {"place", {0.4, 0.1, 0.1}}});
+  EXPECT_EQ(client->wait_for("hand").at("is_held"), true);
+  client->say({{"type", "record"}});
+  EXPECT_EQ(client->wait_for("hand").at("is_held"), false);
 }
 
 TEST_F(SessionTest, ABakeCanBeCancelled) {
