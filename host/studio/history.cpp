@@ -36,6 +36,7 @@ void History::add(std::string label, std::string text, Paints paints, std::optio
   if (gesture && gesture == gesture_ && at_ > 0) {
     steps_.back().text = std::move(text);
     steps_.back().paints = std::move(paints);
+    steps_.back().is_built = false;
     return;
   }
   gesture_ = gesture;
@@ -85,6 +86,24 @@ void History::fall_back(const std::string& text, const Paints& paints) {
   }
   steps_[at_].text = text;
   steps_[at_].paints = paints;
+  steps_[at_].is_built = true;
+}
+
+bool History::note_built(const std::string& text, const Paints& paints) {
+  bool is_news = false;
+  for (HistoryStep& step : steps_) {
+    if (step.is_built || step.text != text || !is_same(step.paints, paints)) continue;
+    step.is_built = true;
+    is_news = true;
+  }
+  return is_news;
+}
+
+bool History::go_to_built() {
+  const std::size_t before = at_;
+  while (at_ > 0 && !steps_[at_].is_built) --at_;
+  if (at_ != before) gesture_.reset();
+  return at_ != before;
 }
 
 }  // namespace fascicle::studio

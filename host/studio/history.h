@@ -23,6 +23,7 @@ struct HistoryStep {
   std::string label;  // the change that led here; empty for the first step
   std::string text;   // the scene's text
   Paints paints = {};
+  bool is_built = false;  // a body was made of it, and a frame of that body was shown
 };
 
 class History {
@@ -48,6 +49,11 @@ class History {
   // If that is the step before the last change, the last change is dropped. If no step has them, the current
   // step takes them.
   void fall_back(const std::string& text, const Paints& paints);
+  // Call when a frame of this text and paint has been shown. Returns whether that is news of a step.
+  bool note_built(const std::string& text, const Paints& paints);
+  // Goes back to the nearest step that was built, or else to the first. Later ones can be redone. Returns
+  // whether the current step is another now.
+  bool go_to_built();
 
   const std::vector<HistoryStep>& steps() const { return steps_; }
   std::size_t at() const { return at_; }

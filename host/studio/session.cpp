@@ -43,14 +43,27 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   base_hash_ = hash_of_all(base_text_, base_paints_);
   bake::make_folder(options_.folder);
   lock_.emplace(options_.folder);
-  if (std::optional<SessionRecord> record = read_session(options_.folder)) {
+  std::optional<SessionRecord> record;
+  try {
+    record = read_session(options_.folder, name_ + ".toml");
+  } catch (const base::InputError&) {
+    // Kept below.
+  }
+  if (record) {
     if (is_same_source(record->source, source_) && record->base_hash == base_hash_) {
       history_.emplace(std::move(record->steps), record->at);
       saved_file_ = record->saved_file;
       saved_hash_ = record->saved_hash;
       saved_text_ = record->saved_text;
       saved_paints_ = record->saved_paints;
-      if (history_->steps().size() > 1) restored_ = "Session restored from " + options_.folder.string();
+      const bool is_behind = history_->go_to_built();
+      // A session from elsewhere may have a single step that is not the scene.
+      if (history_->steps().size() > 1 || state_hash() != base_hash_)
+        restored_ = "Session restored from " + options_.folder.string();
+      // It may be what ended the program.
+      if (is_behind)
+        restored_ += ". A change was not yet shown when the program ended: " + *history_->redo_label() +
+                     ". Redo makes it again.";
     } else {
       keep_old_session("contained a session of another scene, or of an older version of this one");
     }
@@ -69,11 +82,13 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   const auto make_first = [&] {
     try {
       body_ = make(history_->text(), history_->paints(), revision_);
-    } catch (const scene::SceneError& error) {
+    } catch (const build::Cancelled&) {
+      throw;
+    } catch (const gpu::DeviceError&) {
+      throw;
+    } catch (const std::exception& error) {
       if (restored_.empty()) throw;
-      pipeline::say_warning(say_, std::string(error.what()) + "; the session starts from the original scene");
-      while (history_->undo()) {
-      }
+      begin_anew(error.what());
       body_ = make(history_->text(), history_->paints(), revision_);
     }
     motion = std::make_unique<LiveMotion>(body_);
@@ -89,6 +104,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   if (!options_.beside.empty())
     beside_ = std::make_unique<BesideBake>(beside_choices(options_.beside, {}).front());
   tables_ = scene::edited_tables(history_->text(), source_);
+  history_->note_built(history_->text(), history_->paints());
   prepared_ = prepare(body_);
   prepared_.text = history_->text();
   prepared_.paints = history_->paints();
@@ -105,6 +121,17 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   });
   start_player(std::move(motion));
   builder_ = std::thread([this] { build_on(); });
+}
+
+// Instead of a session that cannot be built.
+void Session::begin_anew(const std::string& why) {
+  keep_old_session("contained a session that cannot be built: " + why);
+  history_.emplace(base_text_, base_paints_);
+  saved_file_.clear();
+  saved_hash_.clear();
+  saved_text_.clear();
+  saved_paints_.clear();
+  restored_.clear();
 }
 
 void Session::keep_old_session(const std::string& why) {

@@ -109,6 +109,8 @@ class Session {
   };
 
   // session.cpp
+  void keep_old_session(const std::string& why);
+  void begin_anew(const std::string& why);
   PlayerEvents player_events();
   bool is_left_to_cpu(const std::exception& error) const;
   void start_player(std::unique_ptr<Motion> motion);
@@ -133,7 +135,6 @@ class Session {
   // session_changes.cpp
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
-  void keep_old_session(const std::string& why);
   // `is_running`: the live body already has this text.
   void take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                  bool is_running = false);

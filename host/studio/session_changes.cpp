@@ -321,8 +321,10 @@ void Session::publish(const Publication& made) {
 // them.
 void Session::tell_applied(const FrameNumbers& numbers) {
   if (pending_.empty() || pending_.front().revision > numbers.revision) return;
-  // Where nothing moves, no frame is computed; the present one then counts as the first.
-  if (!(numbers.seconds > 0.0f) && player_->state().mode == PlayerMode::playing) return;
+  // Where nothing moves or nobody looks, no frame is computed; the present one then counts as the first.
+  if (!(numbers.seconds > 0.0f) && !pages_.empty() && player_->state().mode == PlayerMode::playing) return;
+  if (body_->revision() == numbers.revision && history_->note_built(running_text_, running_paints_))
+    autosave();
   Pending last = pending_.front();
   while (!pending_.empty() && pending_.front().revision <= numbers.revision) {
     const bool was_rebuild = last.is_rebuild;

@@ -34,11 +34,11 @@ bool names_a_paint(std::string_view key) {
 }
 
 // A scene file in the session's folder. A scene's own name may have characters that a page may not choose.
-bool names_a_scene_file(std::string_view name) {
+bool names_a_scene_file(std::string_view name, std::string_view own_file) {
   constexpr std::string_view extension = ".toml";
   constexpr std::size_t longest = 255;
   return name.size() > extension.size() && name.size() <= longest && name.ends_with(extension) &&
-         name.front() != '.' && name.find('/') == std::string_view::npos &&
+         (name.front() != '.' || name == own_file) && name.find('/') == std::string_view::npos &&
          name.find('\0') == std::string_view::npos;
 }
 
@@ -48,7 +48,7 @@ std::string session_text(const SessionRecord& record) {
   Json steps = Json::array(), paints = Json::array();
   std::map<const std::string*, std::size_t> number_of;
   for (const HistoryStep& step : record.steps) {
-    steps.push_back({{"label", step.label}, {"text", step.text}});
+    steps.push_back({{"label", step.label}, {"text", step.text}, {"built", step.is_built}});
     for (const auto& [key, paint] : step.paints) {
       const auto [known, is_new] = number_of.try_emplace(paint.get(), paints.size());
       if (is_new) paints.push_back(*paint);
@@ -68,7 +68,7 @@ std::string session_text(const SessionRecord& record) {
                      1);
 }
 
-std::optional<SessionRecord> parse_session(const std::string& text) {
+std::optional<SessionRecord> parse_session(const std::string& text, const std::string& own_file) {
   try {
     const Json json = Json::parse(base::shallow_json(text));
     if (json.at(version_key) != version) return std::nullopt;
@@ -86,7 +86,11 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     for (const Json& paint : json.value("paints", Json::array()))
       paints.push_back(std::make_shared<const std::string>(paint.get<std::string>()));
     for (const Json& step : json.at("steps")) {
-      record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>(), {}});
+      // Sessions of older programs do not say what was built.
+      record.steps.push_back({step.at("label").get<std::string>(),
+                              step.at("text").get<std::string>(),
+                              {},
+                              step.value("built", true)});
       if (!step.contains("paint")) continue;
       for (const auto& [key, of_key] : step["paint"].items()) {
         const auto number = base::whole_number<std::size_t>(of_key);
@@ -98,17 +102,17 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     }
     if (record.at >= record.steps.size()) return std::nullopt;
     // The session writes to this file, so a session file from elsewhere must not name one outside the folder.
-    if (!record.saved_file.empty() && !names_a_scene_file(record.saved_file)) return std::nullopt;
+    if (!record.saved_file.empty() && !names_a_scene_file(record.saved_file, own_file)) return std::nullopt;
     return record;
   } catch (const Json::exception&) {
     return std::nullopt;
   }
 }
 
-std::optional<SessionRecord> read_session(const std::filesystem::path& folder) {
+std::optional<SessionRecord> read_session(const std::filesystem::path& folder, const std::string& own_file) {
   const std::optional<std::string> text =
       base::read_input_if_there(folder / session_file_name, base::most_json_bytes);
-  return text ? parse_session(*text) : std::nullopt;
+  return text ? parse_session(*text, own_file) : std::nullopt;
 }
 
 SessionWriter::SessionWriter(std::filesystem::path folder, std::function<void(const std::string&)> told)

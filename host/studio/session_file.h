@@ -32,10 +32,12 @@ struct SessionRecord {
 };
 
 std::string session_text(const SessionRecord& record);
-// Nullopt if the text is not a session.
-std::optional<SessionRecord> parse_session(const std::string& text);
+// Nullopt if the text is not a session. `own_file`: the name under which the scene is saved by default, which
+// may begin with a dot.
+std::optional<SessionRecord> parse_session(const std::string& text, const std::string& own_file = "");
 // Nullopt if the folder has no usable session.
-std::optional<SessionRecord> read_session(const std::filesystem::path& folder);
+std::optional<SessionRecord> read_session(const std::filesystem::path& folder,
+                                          const std::string& own_file = "");
 
 // Writes the newest record, on its own thread: atomically, soon, but not at every step of a dragged slider.
 class SessionWriter {

@@ -29,6 +29,27 @@ TEST(History, TakesBackAndMakesAgain) {
   EXPECT_EQ(history.text(), "c");
 }
 
+TEST(History, GoesBackToWhatWasBuilt) {
+  History history("a");
+  history.add("to b", "b", {}, 1);
+  EXPECT_TRUE(history.note_built("b", {}));
+  EXPECT_FALSE(history.note_built("b", {})) << "known";
+  EXPECT_FALSE(history.note_built("nothing", {}));
+  EXPECT_FALSE(history.go_to_built());
+  history.add("to c", "c", {});
+  EXPECT_TRUE(history.go_to_built());
+  EXPECT_EQ(history.text(), "b");
+  EXPECT_EQ(*history.redo_label(), "to c");
+  // A slider that was dragged on is not what was built.
+  history.add("drag", "d", {}, 2);
+  history.note_built("d", {});
+  history.add("drag", "e", {}, 2);
+  EXPECT_TRUE(history.go_to_built());
+  EXPECT_EQ(history.text(), "b");
+  EXPECT_TRUE(history.undo());
+  EXPECT_FALSE(history.go_to_built()) << "the first step has nothing before it";
+}
+
 TEST(History, AChangeAfterTakingBackEndsWhatCouldBeMadeAgain) {
   History history("a");
   history.add("to b", "b", {});

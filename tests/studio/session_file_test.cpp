@@ -41,6 +41,25 @@ TEST(SessionFile, ReadsBack) {
   EXPECT_EQ(again->steps[1].label, "softer");
 }
 
+TEST(SessionFile, SaysWhatWasBuilt) {
+  SessionRecord record = sample();
+  record.steps[0].is_built = true;
+  const std::string text = studio::session_text(record);
+  const auto again = parse_session(text);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->steps[0].is_built);
+  EXPECT_FALSE(again->steps[1].is_built);
+  // Older programs did not say it, and restored every step.
+  std::string old = text;
+  for (const std::string member : {",\n   \"built\": true", ",\n   \"built\": false"}) {
+    ASSERT_NE(old.find(member), std::string::npos) << old;
+    old.erase(old.find(member), member.size());
+  }
+  const auto of_old = parse_session(old);
+  ASSERT_TRUE(of_old);
+  EXPECT_TRUE(of_old->steps[0].is_built && of_old->steps[1].is_built);
+}
+
 // The history of a scene with any name outlives its first save.
 TEST(SessionFile, SavedSceneMayHaveAnyFileName) {
   for (const std::string name : {"my bar.toml", "man (1).toml", "m\xc3\xbcller.toml"}) {
@@ -51,6 +70,15 @@ TEST(SessionFile, SavedSceneMayHaveAnyFileName) {
     EXPECT_EQ(again->saved_file, name);
     EXPECT_EQ(again->steps.size(), 2u);
   }
+}
+
+TEST(SessionFile, AHiddenSceneMayKeepItsName) {
+  SessionRecord record = sample();
+  record.saved_file = ".man.toml";
+  const std::string text = studio::session_text(record);
+  EXPECT_TRUE(parse_session(text, ".man.toml"));
+  EXPECT_FALSE(parse_session(text, ".woman.toml"));
+  EXPECT_FALSE(parse_session(text));
 }
 
 // Steps that share a paint store it once.

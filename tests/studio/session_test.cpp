@@ -3,10 +3,13 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "host/base/file.h"
 #include "host/studio/session_file.h"
 #include "tests/studio/running_studio.h"
 
@@ -306,6 +309,122 @@ TEST_F(SessionTest, ASessionThatCannotBeReadIsKept) {
   client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
   client->wait_for("applied");
   EXPECT_EQ(read(folder_ / "session" / "session.before.json"), "{\"fascicle_studio\": 2}");
+}
+
+// A session as another program, or a stranger, may have written it.
+class ForeignSession : public SessionTest {
+ protected:
+  static std::string bar_with(const std::string& line) {
+    std::string text = bar_text;
+    constexpr std::string_view own = "frequency = 6.0   # Hz: the bar's own";
+    return text.replace(text.find(own), own.size(), line);
+  }
+  // Returns the file's text.
+  std::string leave(std::vector<studio::HistoryStep> steps, std::size_t at) {
+    const std::string text = studio::session_text({.source = scene_.string(),
+                                                   .base_hash = studio::hash_of_all(bar_text, {}),
+                                                   .steps = std::move(steps),
+                                                   .at = at});
+    fs::create_directories(folder_ / "session");
+    base::write_whole(folder_ / "session" / studio::session_file_name, text);
+    return text;
+  }
+  static Json frequency(const Start& start) {
+    return key_of(start.messages.at("keys"), "layers.body.frequency").at("value");
+  }
+};
+
+// It may be what killed the program, and would kill it again at each start.
+TEST_F(ForeignSession, AChangeThatWasNeverShownIsOnlyOfferedAgain) {
+  leave({{"", bar_text, {}, true},
+         {"softer", bar_with("frequency = 3.0"), {}, true},
+         {"softest", bar_with("frequency = 2.0"), {}, false}},
+        2);
+  {
+    const Running studio = open();
+    const auto client = studio.open();
+    const Start start = start_of(*client);
+    const Json& hello = start.messages.at("hello");
+    EXPECT_EQ(hello.at("restored"), true);
+    EXPECT_NE(hello.at("message").get<std::string>().find("softest. Redo"), std::string::npos) << hello;
+    EXPECT_EQ(frequency(start), 3.0);
+    EXPECT_EQ(start.messages.at("history").at("undo"), "softer");
+    client->say({{"type", "redo"}});
+    client->wait_for("applied");
+    for (;;) {
+      const auto there = studio::read_session(folder_ / "session");
+      if (there && there->at == 2 && there->steps[2].is_built) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  // The control: now it was shown.
+  const Running studio = open();
+  EXPECT_EQ(frequency(start_of(*studio.open())), 2.0);
+}
+
+TEST_F(ForeignSession, OneStepThatIsNotTheSceneIsARestoredSession) {
+  leave({{"", bar_with("frequency = 3.0"), {}, true}}, 0);
+  {
+    const Running studio = open();
+    const Start start = start_of(*studio.open());
+    EXPECT_EQ(start.messages.at("hello").at("restored"), true);
+    EXPECT_EQ(frequency(start), 3.0);
+  }
+  leave({{"", bar_text, {}, true}}, 0);
+  const Running studio = open();
+  EXPECT_EQ(start_of(*studio.open()).messages.at("hello").at("restored"), false) << "the control";
+}
+
+TEST_F(ForeignSession, WhatCannotBeBuiltIsKeptAndTheSceneBegins) {
+  const std::string no_vertex =
+      std::string(bar_text) + "[probe.far]\nwhere = { sphere = { center = [9, 9, 9], radius = 0.1 } }\n";
+  const std::vector<std::string> wrong{bar_with("damping = \"x\""), "layers = { body = 1 }\n", "[",
+                                       no_vertex};
+  for (const std::string& text : wrong)
+    for (const bool is_alone : {true, false}) {
+      std::vector<studio::HistoryStep> steps{{"", text, {}, true}};
+      if (!is_alone) steps.insert(steps.begin(), {"", bar_text, {}, true});
+      const std::size_t at = steps.size() - 1;
+      const std::string file = leave(std::move(steps), at);
+      {
+        const Running studio = open();
+        const auto client = studio.open();
+        const Start start = start_of(*client);
+        EXPECT_EQ(start.messages.at("hello").at("restored"), false);
+        EXPECT_EQ(frequency(start), 6.0);
+        EXPECT_TRUE(start.messages.at("history").at("undo").is_null());
+        client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
+        client->wait_for("applied");
+      }
+      EXPECT_EQ(read(folder_ / "session" / studio::old_session_file_name), file);
+      fs::remove_all(folder_ / "session");
+    }
+}
+
+TEST_F(ForeignSession, AStepOfAWrongTextIsRefused) {
+  leave({{"", "layers = { body = 1 }\n", {}, true},
+         {"here", bar_text, {}, true},
+         {"text", bar_with("density = \"x\""), {}, true}},
+        1);
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  for (const char* way : {"undo", "redo"}) {
+    client->say({{"type", way}});
+    EXPECT_NE(client->wait_for("refused").at("error"), "");
+  }
+  client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
+  client->wait_for("applied");
+}
+
+TEST_F(ForeignSession, AFolderInItsPlaceIsKept) {
+  fs::create_directories(folder_ / "session" / studio::session_file_name);
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
+  client->wait_for("applied");
+  EXPECT_TRUE(fs::is_directory(folder_ / "session" / studio::old_session_file_name));
 }
 
 // Each page numbers its gestures from 1.
