@@ -97,6 +97,7 @@ class Session {
     std::string text;
     Paints paints;
     std::vector<PaintPlace> places;
+    bool is_edit = false;  // Order::is_edit
   };
   // A brush stroke in progress.
   struct Stroke {
@@ -152,6 +153,7 @@ class Session {
     std::string gpu_error;  // why the GPU is to be left; empty: it is not
   };
   void build(const Order& order);
+  void give_up(std::uint32_t revision, bool is_edit, const std::string& error);
   bool is_left_on_gpu() const;
   bool end_of_takeover();
   Publication prepare(const std::shared_ptr<RunningBody>& body);

@@ -187,6 +187,7 @@ void Session::build(const Order& order) {
     Publication made = prepare(make(order.text, order.paints, order.revision));
     made.text = order.text;
     made.paints = order.paints;
+    made.is_edit = order.is_edit;
     prepared_ = made;
     {
       // If several bodies wait for a busy player, only the last counts.
@@ -208,7 +209,7 @@ void Session::build(const Order& order) {
         // If the GPU failed, the CPU takes over: player_events.
         if (is_left_to_cpu(error)) throw;
         // The old body is still there.
-        return take_back(next->body->revision(), error.what());
+        return give_up(next->body->revision(), next->is_edit, error.what());
       }
       meter_.reset();  // it belonged to the old model
       {
@@ -223,20 +224,26 @@ void Session::build(const Order& order) {
   } catch (const build::Cancelled&) {
     // A newer text is waiting, or the session ends.
   } catch (const std::exception& error) {
-    if (order.is_edit)
-      take_back(order.revision, error.what());
-    else
-      pipeline::say_warning(say_, error.what());
-    const std::lock_guard lock(mutex_);
-    if (!awaits_cpu_) return;
-    if (order.is_edit) {
-      // The text on show is still to be built for the CPU.
-      gpu_error_ = gpu_failed;
-    } else if (revision_ == built_) {
-      // The next attempt to play tries again.
-      (void)end_of_takeover();
-      broadcast({{"type", "failed"}, {"what", "motion"}, {"error", error.what()}});
-    }
+    give_up(order.revision, order.is_edit, error.what());
+  }
+}
+
+// After a body that could not be built, or not be taken over by the player.
+void Session::give_up(std::uint32_t revision, bool is_edit, const std::string& error) {
+  if (is_edit)
+    take_back(revision, error);
+  else
+    pipeline::say_warning(say_, error);
+  const std::lock_guard lock(mutex_);
+  if (!awaits_cpu_) return;
+  if (is_edit) {
+    // The text on show is still to be built for the CPU.
+    gpu_error_ = gpu_failed;
+    builder_wakes_.notify_all();
+  } else if (revision_ == built_) {
+    // The next attempt to play tries again.
+    (void)end_of_takeover();
+    broadcast({{"type", "failed"}, {"what", "motion"}, {"error", error}});
   }
 }
 
