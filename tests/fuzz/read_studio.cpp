@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <span>
+#include <string>
 
 #include "host/scene/scene.h"
 #include "host/scene/scene_edit.h"

@@ -351,11 +351,13 @@ TEST_F(ForeignSession, AChangeThatWasNeverShownIsOnlyOfferedAgain) {
     EXPECT_EQ(start.messages.at("history").at("undo"), "softer");
     client->say({{"type", "redo"}});
     client->wait_for("applied");
-    for (;;) {
-      const auto there = studio::read_session(folder_ / "session");
-      if (there && there->at == 2 && there->steps[2].is_built) break;
+    bool is_noted = false;
+    for (int k = 0; k < 1000 && !is_noted; ++k) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const auto there = studio::read_session(folder_ / "session");
+      is_noted = there && there->at == 2 && there->steps[2].is_built;
     }
+    EXPECT_TRUE(is_noted);
   }
   // The control: now it was shown.
   const Running studio = open();
