@@ -13,6 +13,14 @@ export interface DialogUser {
   say(text: string): void;
 }
 
+// Consent to replace files is for one save or bake: a box that stayed ticked would give it for other names, too.
+function take_consent(id: string): boolean {
+  const box = element<HTMLInputElement>(id);
+  const is_given = box.checked;
+  box.checked = false;
+  return is_given;
+}
+
 export class Dialogs {
   constructor(private readonly user: DialogUser) {}
 
@@ -31,7 +39,7 @@ export class Dialogs {
     try {
       await this.user.command("save", {
         file: this.save_name(),
-        overwrite: element<HTMLInputElement>("save-over").checked,
+        overwrite: take_consent("save-over"),
       });
     } catch (error) {
       element("save-error").textContent = (error as Error).message;
@@ -46,7 +54,7 @@ export class Dialogs {
       await this.user.command("bake", {
         folder: element<HTMLInputElement>("bake-name").value,
         formats: [...document.querySelectorAll<HTMLInputElement>("#formats input:checked")].map((one) => one.value),
-        overwrite: element<HTMLInputElement>("bake-over").checked,
+        overwrite: take_consent("bake-over"),
       });
     } catch (error) {
       element("bake-error").textContent = (error as Error).message;
