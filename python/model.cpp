@@ -25,7 +25,9 @@ std::shared_ptr<fascicle::model> build_model(const fascicle::scene& scene, const
   const py::object function = progress_function_of(progress);
   const fascicle::build_options options{path_text(mesher), path_text(cache), log_to(log),
                                         progress_to(function)};
-  return without_lock([&] { return std::make_shared<fascicle::model>(scene, options); });
+  auto model = without_lock([&] { return std::make_shared<fascicle::model>(scene, options); });
+  end_progress(function);
+  return model;
 }
 
 py::dtype dtype_of(const fascicle_array& array) {
@@ -112,7 +114,8 @@ std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
   std::vector<py::array> kept;
   std::vector<fascicle_array> list;
   // A copy, because the caller's objects may change the dict when they become arrays.
-  const py::dict unchanging = arrays.attr("copy")();
+  const auto unchanging = py::reinterpret_steal<py::dict>(PyDict_Copy(arrays.ptr()));
+  if (!unchanging) throw py::error_already_set();
   for (const auto& [key, value] : unchanging) {
     const std::string& name = texts.emplace_back(text_of(key, "the name of an array"));
     if (py::isinstance<py::list>(value)) {

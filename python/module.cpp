@@ -161,6 +161,10 @@ py::object progress_function_of(const py::object& progress) {
   return py::module_::import("fascicle._progress").attr("progress_function")(progress);
 }
 
+void end_progress(const py::object& function) {
+  py::module_::import("fascicle._progress").attr("end_line")(function);
+}
+
 }  // namespace fascicle_python
 
 PYBIND11_MODULE(_fascicle, module) {

@@ -175,6 +175,8 @@ fascicle::progress_function progress_to(const py::object& progress);
 // The function for an argument `progress`, which may also be True (a bar) or False: see
 // fascicle/_progress.py.
 py::object progress_function_of(const py::object& progress);
+// Ends the bar's line, if `function` is a bar, after work that has no frames.
+void end_progress(const py::object& function);
 
 inline std::optional<std::string> path_text(const std::optional<std::filesystem::path>& path) {
   return path ? std::optional<std::string>(path->string()) : std::nullopt;

@@ -237,6 +237,7 @@ void add_solver(py::module_& module) {
           [](Solver& self, const py::object& progress) {
             const py::object function = progress_function_of(progress);
             move_on(self, [&](fascicle::solver& solver) { solver.start_clip(progress_to(function)); });
+            end_progress(function);
           },
           "progress"_a = none, start_clip_text)
       .def(

@@ -11,6 +11,7 @@
 #include "host/base/text.h"
 #include "host/drive/lead_in.h"
 #include "host/formats/surface.h"
+#include "host/model/reach.h"
 #include "host/model/validate.h"
 
 namespace fascicle::api {
@@ -42,7 +43,7 @@ void step(fascicle_solver& solver, const model::Drive& drive) {
   solver.solver->submit(drive, what);
   solver.shown = solver.solver->collect();
   ++solver.frame;
-  check_finite(solver.shown.positions, solver.frame);
+  check_finite(solver.shown.positions, solver.body->model.unit, solver.frame);
 }
 
 void stand_at_rest(fascicle_solver& solver) {
@@ -141,15 +142,15 @@ model::SolverOptions with(model::SolverOptions options, const fascicle_solver_op
 
 }  // namespace
 
-void check_finite(const std::vector<float>& positions, std::uint64_t frame) {
-  for (const float x : positions)
-    if (!std::isfinite(x))
-      throw bake::NotFinite("frame " + std::to_string(frame) +
-                            ": positions are no longer finite; use more substeps or softer layers");
+void check_finite(const std::vector<float>& positions, double unit, std::uint64_t frame) {
+  if (!model::is_in_reach(positions, unit))
+    throw bake::NotFinite("frame " + std::to_string(frame) +
+                          ": positions are no longer finite, or absurdly far away; use more substeps or "
+                          "softer layers");
 }
 
 void show(fascicle_solver& solver, const model::State& state) {
-  check_finite(state.positions, state.frame);
+  check_finite(state.positions, solver.body->model.unit, state.frame);
   solver.shown = {};
   solver.shown.index = state.frame;
   solver.shown.origin = state.origin;

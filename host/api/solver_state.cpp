@@ -32,7 +32,7 @@ std::string saved_bytes(const fascicle_solver& solver) {
 void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   const SavedState saved = parse_saved_state(
       bytes, {solver.body->model, solver.body->scene.has_value(), identity_of_steps(solver)});
-  check_finite(saved.state.positions, saved.state.frame);
+  check_finite(saved.state.positions, solver.body->model.unit, saved.state.frame);
   solver.solver->load(saved.state);
   solver.frame = saved.frame;
   solver.time = saved.time;

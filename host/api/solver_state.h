@@ -6,7 +6,7 @@
 namespace fascicle::api {
 
 // Throws bake::NotFinite.
-void check_finite(const std::vector<float>& positions, std::uint64_t frame);
+void check_finite(const std::vector<float>& positions, double unit, std::uint64_t frame);
 // Shows the frame of `state`. If it throws bake::NotFinite, the shown frame is unchanged.
 void show(fascicle_solver& solver, const model::State& state);
 

@@ -20,11 +20,12 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 void on_signal(int number) {
   if (!has_begun) ::_exit(static_cast<int>(ExitCode::interrupted));
-  if (interrupted.exchange(true)) {
+  interrupted = true;
+  // After a hangup, which may come first, the program is still given time to end.
+  if (first_number.exchange(number) != 0) {
     ::signal(number, SIG_DFL);
     ::raise(number);
   }
-  first_number = number;
 }
 
 void on_hangup(int) {

@@ -54,11 +54,13 @@ fs::path on_path(const std::string& program) {
 void write_for_owner(const fs::path& path, const std::string& text) {
   // An existing name may be a link to anywhere.
   ::unlink(path.c_str());
+  errno = 0;
   const base::Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (file.get() >= 0 && ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()))
     return;
-  const int code = errno;
+  // A short write sets no error.
+  const int code = errno != 0 ? errno : ENOSPC;
   if (file.get() >= 0) ::unlink(path.c_str());
   throw std::system_error(code, std::generic_category(), "cannot write " + path.string());
 }

@@ -52,6 +52,7 @@ constexpr const char* glb_spool = "surface.glb.targets";
 constexpr double least_turn = 0.004;
 constexpr double default_tolerance = 1e-6;  // as a fraction of the body's diagonal
 constexpr std::size_t most_targets = 65535;
+constexpr std::size_t most_targets_of_all = std::size_t{1} << 22u;
 // Browser viewers store targets as the layers of an array texture, and WebGL 2 guarantees no more.
 constexpr std::size_t most_in_browsers = 256;
 
@@ -139,7 +140,7 @@ void GlbSink::read_character(const BakeInfo& info) {
 
 // The JSON lists each target of each primitive.
 void GlbSink::require_listable(std::uint64_t targets) const {
-  if (targets <= most_primitives / std::max<std::size_t>(primitives_, 1)) return;
+  if (targets <= most_targets_of_all / std::max<std::size_t>(primitives_, 1)) return;
   throw base::BakeError("glb: the character's meshes have " + base::number_text(std::uint64_t{primitives_}) +
                         " primitives, too many for " + base::number_text(targets) +
                         " morph targets each; join meshes, or give a larger --glb-stride or --glb-error");
@@ -169,8 +170,10 @@ Matrix4d GlbSink::slot_at(const gltf::RigPart& part, std::size_t slot, const std
                           std::uint64_t frame) const {
   const Matrix4d map = joints[part.skin_joint[slot]] * part.inverse_bind[slot];
   if (!(map.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most_of_joint))
-    throw base::BakeError(info_.character.string() + ": frame " + base::number_text(frame) +
-                          ": a joint is not finite, or absurdly large; bake again with --overwrite");
+    throw base::BakeError(
+        info_.character.string() + ": frame " + base::number_text(frame) +
+        ": a joint is not finite, or absurdly large; correct the sizes in its clip, or leave "
+        "glb out, and bake again with --overwrite");
   return map;
 }
 
@@ -443,6 +446,7 @@ void GlbSink::finish() {
     targets = target_accessors(binary.size(), stream_bytes_, document);
     document["buffers"] = json::array({{{"byteLength", binary.size() + stream_bytes_}}});
   }
+  require_finite(document);
   const std::uint64_t total = binary.size() + stream_bytes_;
   std::string accessors = document["accessors"].dump();
   document.erase("accessors");
@@ -450,7 +454,6 @@ void GlbSink::finish() {
   std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
   text.pop_back();
   text += ",\"accessors\":" + accessors + targets + "]}";
-  require_finite(document);
   base::PartFile file = base::PartFile::start(info_.folder / "surface.glb");
   file.write(glb_head(std::move(text), total));
   file.write(binary);

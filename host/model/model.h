@@ -97,7 +97,7 @@ struct Model {                                 // each member has a row in model
 
   // Muscles (15)-(17), CSR; empty without muscles. The effects of several muscles on a region add up. The
   // magnitude of every number is 0 or at least least_factor.
-  std::uint32_t muscle_count = 0;                   // at most 65536
+  std::uint32_t muscle_count = 0;                   // at most 2^20
   std::vector<std::uint32_t> muscle_offset;         // n + 1 or 0
   std::vector<shader::RegionMuscle> region_muscle;  // for each region by ascending muscle
   std::vector<shader::RegionFrame> region_frame;    // n or 0; unit vectors, or 0 where there is no direction
@@ -144,7 +144,7 @@ struct Model {                                 // each member has a row in model
   std::vector<std::uint32_t> contact_group;    // one per tetrahedron of contact_tetrahedron, or 0
 
   // Skinning, CSR; empty without a skeleton.
-  std::uint32_t joint_count = 0;           // at most 65536
+  std::uint32_t joint_count = 0;           // at most 2^20
   std::vector<std::uint32_t> skin_offset;  // n + 1 or 0
   std::vector<std::uint32_t> skin_joint;
   std::vector<float> skin_weight;  // sums to 1 for each vertex
@@ -157,7 +157,7 @@ struct Model {                                 // each member has a row in model
 
   // Forces besides gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
   // newtons for a point force and in N/m^2 for wind, both divided by the working unit.
-  std::uint32_t force_count = 0;            // at most 65536
+  std::uint32_t force_count = 0;            // at most 2^20
   std::vector<std::uint32_t> force_offset;  // n + 1 or 0
   std::vector<std::uint32_t> force_index;
   std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area divided by its mass

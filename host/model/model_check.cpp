@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 
@@ -13,7 +14,7 @@ namespace fascicle::model {
 namespace {
 
 // Joints, muscles or forces: solvers have memory for as many as the model names.
-constexpr std::uint32_t most_driven = 65536;
+constexpr std::uint32_t most_driven = std::uint32_t{1} << 20u;
 
 [[noreturn]] void broken(const char* array, std::size_t index, const std::string& promise) {
   std::ostringstream text;
@@ -301,8 +302,11 @@ void check_model(const Model& m) {
   int exponent = 0;
   if (!(m.unit > 0.0) || std::frexp(m.unit, &exponent) != 0.5) broken("unit", 0, "is not a power of two");
   if (m.unit > farthest) broken("unit", 0, "is longer than any body");
-  if (!is_in_reach(m.rest_origin)) broken("rest_origin", 0, "is not finite, or too far away");
-  if (!is_in_reach(m.rest, m.unit)) broken("rest", 0, "is not finite, or too far away");
+  for (std::size_t a = 0; a < m.rest_origin.size(); ++a)
+    if (!is_in_reach({m.rest_origin[a], 0.0, 0.0}))
+      broken("rest_origin", a, "is not finite, or too far away");
+  for (std::size_t k = 0; k < m.rest.size(); ++k)
+    if (!is_in_reach(std::span(&m.rest[k], 1), m.unit)) broken("rest", k, "is not finite, or too far away");
   for_each_array(
       m, [&](const auto& row, const auto& values) { check_size(m, row.name, row.traits, values.size()); });
   // Sizes are right: offsets and indices may be followed from here on.

@@ -82,14 +82,11 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   const auto make_first = [&] {
     try {
       body_ = make(history_->text(), history_->paints(), revision_);
-    } catch (const build::Cancelled&) {
-      throw;
-    } catch (const gpu::DeviceError&) {
-      throw;
-    } catch (const std::exception& error) {
+    } catch (const base::SceneError& error) {
+      // Other errors are of the machine, such as a full disk or no memory, and the session may be sound.
       if (restored_.empty()) throw;
+      body_ = make(base_text_, base_paints_, revision_);
       begin_anew(error.what());
-      body_ = make(history_->text(), history_->paints(), revision_);
     }
     motion = std::make_unique<LiveMotion>(body_);
   };
@@ -247,6 +244,11 @@ Session::~Session() {
     player_->stop();
   }
   player_.reset();
+  {
+    // It was built, and would have been shown as soon as the player was free.
+    const std::lock_guard lock(mutex_);
+    if (next_ && history_->note_built(next_->text, next_->paints)) autosave();
+  }
   writer_.reset();
 }
 

@@ -192,6 +192,7 @@ void Session::build(const Order& order) {
     {
       // If several bodies wait for a busy player, only the last counts.
       const std::lock_guard lock(mutex_);
+      made.is_edit = made.is_edit || (next_ && next_->is_edit);
       if (std::exchange(next_, std::move(made))) return;
     }
     player_->post_needed([this](Motion& motion) {

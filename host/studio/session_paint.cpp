@@ -104,10 +104,12 @@ void Session::paint(PageId page, const StrokePiece& piece) {
   if (const std::string why = why_no_paint(); !why.empty()) throw std::runtime_error(why);
   if (const double most = most_painted(kind); double{piece.brush.value} > most)
     throw std::runtime_error("alpha is at most 1, and painted stiffness multiplies it; paint 1 or less");
-  if (reaches_too_many(piece.brush, places_, piece.places))
+  if (reaches_too_many(piece.brush, places_, piece.places)) {
+    // The page sends no more pieces of a stroke that was refused.
+    if (stroke_) end_stroke();
     throw std::runtime_error(
-        "the brush reaches too many vertices at these places together; use a smaller radius, or send fewer "
-        "places at a time");
+        "the brush reaches too many vertices at these places together; use a smaller radius");
+  }
   if (stroke_ && (stroke_->page != page || stroke_->number != piece.stroke || stroke_->kind != &kind))
     end_stroke();
   const auto vector_of = [](const std::array<double, 3>& v) { return Vector3d(v[0], v[1], v[2]); };

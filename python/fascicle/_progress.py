@@ -43,6 +43,14 @@ class ProgressBar:
             file.write(self.text(phase, done, total, now - self._began) + "\n")
         file.flush()
 
+    def end_line(self):
+        """A terminal's next line begins below the bar."""
+        if self._length > 0:
+            file = sys.stderr if self._file is None else self._file
+            file.write("\n")
+            file.flush()
+            self._length = 0
+
     def text(self, phase, done, total, seconds):
         """The line, given the seconds since the work began."""
         if phase == "build":
@@ -64,6 +72,12 @@ def progress_function(progress):
     if progress is True:
         return ProgressBar()
     return None if progress is False else progress
+
+
+def end_line(progress):
+    """Ends the line of a bar after work that has no frames."""
+    if isinstance(progress, ProgressBar):
+        progress.end_line()
 
 
 _levels = {"detail": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}

@@ -93,7 +93,7 @@ void FakeSolver::submit(const model::Drive& drive, model::Read what, model::Prob
   if (what.skinned) frame.skinned = model_.rest;
   if (options_.not_finite_at == state_.frame) {
     frame.positions.at(3 * 1 + 2) = std::numeric_limits<float>::quiet_NaN();
-    frame.positions.at(3 * 2) = -std::numeric_limits<float>::infinity();
+    frame.positions.at(3 * 2) = -2e9f;  // beyond model::farthest
   }
   frames_.push_back(std::move(frame));
   most_in_flight_ = std::max(most_in_flight_, frames_.size());

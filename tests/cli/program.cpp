@@ -62,11 +62,12 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
                                      0600);
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  // A shell's background job ignores SIGINT, and its children would inherit that.
+  // A shell's background job ignores SIGINT, one under nohup SIGHUP, and children would inherit that.
   sigset_t defaults;
   ::sigemptyset(&defaults);
   ::sigaddset(&defaults, SIGINT);
   ::sigaddset(&defaults, SIGTERM);
+  ::sigaddset(&defaults, SIGHUP);
   ::posix_spawnattr_setsigdefault(&attributes, &defaults);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   const int error = ::posix_spawn(&process_, FASCICLE_PROGRAM, &files, &attributes, argv.data(), envp.data());

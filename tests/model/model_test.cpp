@@ -274,9 +274,9 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
          m.collider_count = model::most_colliders + 1;
          m.spared.assign(m.vertex_count, 0);
        }},
-      {"joint_count", [](Model& m) { m.joint_count = 65537; }},
-      {"muscle_count", [](Model& m) { m.muscle_count = 65537; }},
-      {"force_count", [](Model& m) { m.force_count = 65537; }},
+      {"joint_count", [](Model& m) { m.joint_count = (1u << 20u) + 1; }},
+      {"muscle_count", [](Model& m) { m.muscle_count = (1u << 20u) + 1; }},
+      {"force_count", [](Model& m) { m.force_count = (1u << 20u) + 1; }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

@@ -208,6 +208,9 @@ class Answers(InFolder):
             fascicle.Solver(model, fascicle.Device("cpu")).start_clip(True)
         self.assertIn("building the body", said.getvalue())
         self.assertIn("before frame 0", said.getvalue())
+        for line in said.getvalue().split("\n")[:-1]:
+            self.assertTrue(line.startswith("\r"), line)
+        self.assertEqual(said.getvalue().count("\n"), 2, "one line of the model, one of the lead-in")
         fascicle.Model(scene, cache="", progress=False)
 
 

@@ -152,7 +152,7 @@ TEST_F(SessionTest, NoBakeFollowsALink) {
               std::string::npos);
   }
   // While the bake waits for a recorded run, the link appears.
-  client->say({{"type", "set"}, {"changes", {{"scene.end", 5.0}}}});
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 100.0}}}});
   client->wait_for("applied");
   client->say({{"type", "record"}});
   client->say({{"type", "bake"}, {"folder", "late"}});
@@ -167,7 +167,7 @@ TEST_F(SessionTest, NoBakeFollowsALink) {
 
 // Requests of the hand wait while the player is busy, and only so many may wait.
 TEST_F(SessionTest, TheHandWaitsForABakeWithinLimits) {
-  base::write_whole(scene_, std::string(bar_text) + "[motion]\nhold = 60.0\n");
+  base::write_whole(scene_, std::string(bar_text) + "[motion]\nhold = 600.0\n");
   const Running studio = open();
   const auto client = studio.open();
   start_of(*client);
