@@ -1,19 +1,16 @@
 // fascicle studio: a page on loopback that shows moving flesh and lets the user touch it.
 #include "host/studio/studio.h"
 
-#include <cerrno>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <string_view>
 #include <system_error>
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "host/bake/folder.h"
-#include "host/base/descriptor.h"
+#include "host/base/private_file.h"
 #include "host/base/process.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
@@ -50,32 +47,17 @@ fs::path on_path(const std::string& program) {
   return {};
 }
 
-// Writes a new file that only its owner may read.
-void write_for_owner(const fs::path& path, const std::string& text) {
-  // An existing name may be a link to anywhere.
-  ::unlink(path.c_str());
-  errno = 0;
-  const base::Descriptor file(
-      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
-  if (file.get() >= 0 && ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()))
-    return;
-  // A short write sets no error.
-  const int code = errno != 0 ? errno : ENOSPC;
-  if (file.get() >= 0) ::unlink(path.c_str());
-  throw std::system_error(code, std::generic_category(), "cannot write " + path.string());
-}
-
 // A file that redirects a browser to the address while the studio runs. The address contains the token, and
 // any user of the machine can read a command line, so the browser is started with this file instead, which
 // only its owner can read.
 class WayToAddress {
  public:
   WayToAddress(fs::path file, const std::string& address) : file_(std::move(file)) {
-    write_for_owner(file_,
-                    "<!doctype html><meta charset=\"utf-8\"><title>fascicle studio</title>"
-                    "<meta name=\"referrer\" content=\"no-referrer\">"
-                    "<meta http-equiv=\"refresh\" content=\"0; url=" +
-                        address + "\"><a href=\"" + address + "\">the studio</a>\n");
+    base::write_private(file_,
+                        "<!doctype html><meta charset=\"utf-8\"><title>fascicle studio</title>"
+                        "<meta name=\"referrer\" content=\"no-referrer\">"
+                        "<meta http-equiv=\"refresh\" content=\"0; url=" +
+                            address + "\"><a href=\"" + address + "\">the studio</a>\n");
   }
   ~WayToAddress() {
     std::error_code ignored;

@@ -43,7 +43,7 @@ class ProgressBar:
             file.write(self.text(phase, done, total, now - self._began) + "\n")
         file.flush()
 
-    def end_line(self):
+    def _end_line(self):
         """A terminal's next line begins below the bar."""
         if self._length > 0:
             file = sys.stderr if self._file is None else self._file
@@ -77,7 +77,7 @@ def progress_function(progress):
 def end_line(progress):
     """Ends the line of a bar after work that has no frames."""
     if isinstance(progress, ProgressBar):
-        progress.end_line()
+        progress._end_line()
 
 
 _levels = {"detail": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}
