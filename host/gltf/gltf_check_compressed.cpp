@@ -126,10 +126,11 @@ void GltfCheck::meshopt_views() {
       }
       json plain{{"byteOffset", 0u}, {"byteLength", bytes.size()}};
       plain["buffer"] = add_buffer(place->pointer, std::move(bytes));
-      // Indices are tightly packed; attributes need the stride.
-      if (mode == "ATTRIBUTES") plain["byteStride"] = stride;
       json& view = file_.document["bufferViews"][v];
-      if (view.contains("target")) plain["target"] = view["target"];
+      // The extension's stride is that of the compressed elements. Where the view has none, its accessors are
+      // tightly packed, and may have elements of several sizes, such as a clip's times and rotations.
+      for (const char* kept : {"byteStride", "target"})
+        if (view.contains(kept)) plain[kept] = view[kept];
       view = std::move(plain);
       break;
     }

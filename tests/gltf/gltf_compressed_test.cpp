@@ -57,6 +57,28 @@ TEST_P(Meshopt, reads_as_the_plain_file_does) {
 
 INSTANTIATE_TEST_SUITE_P(Names, Meshopt, testing::Values(meshopt, "KHR_meshopt_compression"));
 
+// Without a stride of its own a view may hold elements of several sizes: a clip's times and rotations.
+TEST(Meshopt, a_view_of_several_sizes_is_tightly_packed) {
+  GltfBuilder b = column();
+  json &accessors = b.document["accessors"], &views = b.document["bufferViews"];
+  const json& sampler = b.document["animations"][0]["samplers"][0];
+  json &times = accessors[sampler["input"].get<std::size_t>()],
+       &rotations = accessors[sampler["output"].get<std::size_t>()];
+  json &first = views[times["bufferView"].get<std::size_t>()],
+       &second = views[rotations["bufferView"].get<std::size_t>()];
+  const std::size_t length = first["byteLength"];
+  ASSERT_EQ(first["byteOffset"].get<std::size_t>() + length, second["byteOffset"]);
+  first["byteLength"] = length + second["byteLength"].get<std::size_t>();
+  const json unused = rotations;
+  rotations["bufferView"] = times["bufferView"];
+  rotations["byteOffset"] = length;
+  accessors.push_back(unused);
+  const Character plain = read(b.with_data_uri()), small = read(with_meshopt(b));
+  ASSERT_EQ(small.clips.size(), 2u);
+  EXPECT_EQ(small.clips[0].channels[0].times, plain.clips[0].channels[0].times);
+  EXPECT_EQ(small.clips[0].channels[0].values, plain.clips[0].channels[0].values);
+}
+
 TEST(Meshopt, goes_on_uncompressed) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.write("small.gltf", with_meshopt(column()).dump());
