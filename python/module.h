@@ -91,8 +91,8 @@ class type_caster<fascicle_python::Name> {
     value.bytes = fascicle_python::name_bytes(source);
     return true;
   }
-  static handle cast(const fascicle_python::Name& name, return_value_policy, handle) {
-    return fascicle_python::name_object(name.bytes).release();
+  static handle cast(const fascicle_python::Name& given, return_value_policy, handle) {
+    return fascicle_python::name_object(given.bytes).release();
   }
 };
 
