@@ -16,7 +16,8 @@ done
 FASCICLE_FAULT_POINTS=200 "$build/test_cli" --gtest_filter='DeviceFaults.*'
 # Ten million damaged messages to the studio.
 FASCICLE_FUZZ_MESSAGES=10000000 "$build/test_studio" --gtest_filter='Commands.Fuzz*'
-# All scenes on all devices, and all code at -O0, which CI does not build; a minute of scene time instead of ten seconds.
-cmake --build "$build" --target frame_hashes_O0
+# All scenes on all devices, and all code at -O0 and -O3, of which CI builds the solver alone; a minute of scene time
+# instead of ten seconds.
+cmake --build "$build" --target frame_hashes_O0 frame_hashes_O3_native
 FASCICLE_EXACTNESS_FRAMES=3600 "$build/test_exactness"
 echo "soak: all passed"

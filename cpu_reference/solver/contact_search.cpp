@@ -87,11 +87,23 @@ std::uint32_t ContactSearch::leaf_end(std::uint32_t leaf) const {
 }
 
 void ContactSearch::find(Fields& fields, ThreadPool& pool) {
-  look(fields, pool);
-  pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
-  });
-  crowd(fields);
+  try {
+    look(fields, pool);
+    pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
+    });
+    crowd(fields);
+  } catch (...) {
+    forget();
+    throw;
+  }
+}
+
+void ContactSearch::forget() {
+  for (Block& block : blocks_)
+    block = Block{.rest = block.rest, .branches = {}, .pairs = {}, .relevant = {}, .unused = {}};
+  touched_.clear();
+  std::fill(place_.begin(), place_.end(), nothing);
 }
 
 // Updates all positions, and the leaves' boxes and motions.

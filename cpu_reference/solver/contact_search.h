@@ -32,7 +32,7 @@ class ContactSearch {
                 std::shared_ptr<const ContactRest> rest);
 
   // Finds the contacts: contact_found, and contact_place and contact_crowd of everything that takes part in
-  // one.
+  // one. If memory runs out, the search starts anew the next time.
   void find(Fields& fields, ThreadPool& pool);
   // Runs a kernel of the response on the contacts found last: for each of them, or for each vertex that takes
   // part.
@@ -79,6 +79,7 @@ class ContactSearch {
   std::uint32_t leaf_end(std::uint32_t leaf) const;
 
   void look(const Fields& fields, ThreadPool& pool);
+  void forget();
   ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
   void bound_branch(std::uint32_t branch);
   void find_in_block(std::uint32_t block, Fields& fields);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 #include <system_error>
+#include <utility>
 
 namespace fascicle::cpu_reference {
 
@@ -61,11 +62,16 @@ std::size_t ThreadPool::chunk_count() const {
   return chunks_of_thread * size();
 }
 
-void ThreadPool::run_chunk(std::size_t chunk) const {
+void ThreadPool::run_chunk(std::size_t chunk) {
   const std::uint64_t chunks = chunk_count();
   const auto first = static_cast<std::uint32_t>(count_ * std::uint64_t{chunk} / chunks);
   const auto last = static_cast<std::uint32_t>(count_ * (std::uint64_t{chunk} + 1) / chunks);
-  if (first < last) (*job_)(first, last);
+  if (first == last) return;
+  try {
+    (*job_)(first, last);
+  } catch (...) {
+    if (!failed_.exchange(true)) failure_ = std::current_exception();
+  }
 }
 
 // Every chunk is claimed once per round, so a late thread, still with the number of a finished round, finds
@@ -103,11 +109,13 @@ void ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t
   }
   take_chunks(0, round);
   const auto done = [this] { return unfinished_.load() == 0; };
-  if (spin_until(done)) return;
-  std::unique_lock lock(sleep_);
-  caller_sleeps_.store(true);
-  finished_.wait(lock, done);
-  caller_sleeps_.store(false);
+  if (!spin_until(done)) {
+    std::unique_lock lock(sleep_);
+    caller_sleeps_.store(true);
+    finished_.wait(lock, done);
+    caller_sleeps_.store(false);
+  }
+  if (failed_.exchange(false)) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void ThreadPool::work(unsigned worker) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -27,7 +28,8 @@ class ThreadPool {
 
   // Splits [0, count) into chunks, runs job(first, last) once on each, and returns when all are done. The
   // split depends only on count and size(). Which thread runs a chunk varies: each starts with its own
-  // chunks, in order, then helps the next thread. The job must not throw.
+  // chunks, in order, then helps the next thread. If a chunk throws, the others are still run; then one of
+  // the exceptions is thrown again.
   void run(std::uint32_t count, const std::function<void(std::uint32_t first, std::uint32_t last)>& job);
 
  private:
@@ -40,7 +42,7 @@ class ThreadPool {
 
   void work(unsigned worker);
   void take_chunks(unsigned thread, std::uint64_t round);
-  void run_chunk(std::size_t chunk) const;
+  void run_chunk(std::size_t chunk);
   std::size_t chunk_count() const;
 
   std::vector<std::thread> workers_;
@@ -56,6 +58,10 @@ class ThreadPool {
   std::condition_variable called_, finished_;
   std::atomic<unsigned> sleeping_{0};
   std::atomic<bool> caller_sleeps_{false};
+
+  // Of this round. Whoever sets the flag writes the exception; the caller reads it when no chunk is left.
+  std::atomic<bool> failed_{false};
+  std::exception_ptr failure_;
 };
 
 }  // namespace fascicle::cpu_reference

@@ -219,17 +219,20 @@ struct Oscillator {
 }  // namespace
 
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          const LookBody& body, drive::DriveSource& drives) {
+                                          const LookBody& body, drive::DriveSource& drives,
+                                          const drive::DriveSource::GoesOn& goes_on) {
   const double h = 1.0 / (scene.fps * drives.substeps());
   const std::vector<Swing> swings = swings_of(model, body, h);
   if (swings.empty()) return std::nullopt;
   std::vector<std::vector<Vector3d>> throws(swings.size());
-  drives.for_each_throw([&](const std::vector<drive::DriveSource::Throw>& of_joint) {
-    for (std::size_t k = 0; k < swings.size(); ++k) {
-      const drive::DriveSource::Throw& thrown = of_joint[swings[k].joint];
-      throws[k].push_back(thrown.gravity + swings[k].felt * thrown.inertia);
-    }
-  });
+  drives.for_each_throw(
+      [&](const std::vector<drive::DriveSource::Throw>& of_joint) {
+        for (std::size_t k = 0; k < swings.size(); ++k) {
+          const drive::DriveSource::Throw& thrown = of_joint[swings[k].joint];
+          throws[k].push_back(thrown.gravity + swings[k].felt * thrown.inertia);
+        }
+      },
+      goes_on);
   const auto swing_through = [&](std::size_t k, double stiffer) {
     const Swing& swing = swings[k];
     ExpectedLook look{.joint = swing.joint, .layer = swing.layer};

@@ -33,9 +33,11 @@ struct ExpectedLook {
   double stiffer = 1.0;     // stiffening all layers by this factor brings the score to 1 or below
 };
 
-// Empty without free flesh. `body`: from look_body_of. Runs through all substeps of one cycle.
+// Empty without free flesh. `body`: from look_body_of. Runs through all substeps of one cycle, or
+// until `goes_on` is false: then of those.
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          const LookBody& body, drive::DriveSource& drives);
+                                          const LookBody& body, drive::DriveSource& drives,
+                                          const drive::DriveSource::GoesOn& goes_on = {});
 
 // One line that names the layer, the joint and a remedy.
 std::string expected_look_warning(const scene::Scene& scene, const model::Model& model,

@@ -57,6 +57,16 @@ fs::path with_suffix(const fs::path& path, const std::string& suffix) {
 
 using Pieces = std::span<const std::string_view>;
 
+// A change would reach the other names, such as a snapshot's.
+void refuse_other_names(int descriptor, const fs::path& path) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) fail("cannot examine", path);
+  if (status.st_nlink > 1)
+    throw BakeError(path.string() +
+                    ": is a hard link, so that a change would also change the file's other name; replace it "
+                    "with a copy, or start again with --overwrite");
+}
+
 // Leaves no file behind on failure.
 void write_new(const fs::path& path, Pieces pieces, bool sync) {
   try {
@@ -172,7 +182,8 @@ File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
   if (descriptor_ < 0) fail("cannot open", path_);
   try {
     if (mode != FileMode::replace) (void)size_of_regular(descriptor_, path_);
-  } catch (const InputError&) {
+    if (mode == FileMode::modify) refuse_other_names(descriptor_, path_);
+  } catch (...) {
     ::close(descriptor_);
     throw;
   }
@@ -296,7 +307,9 @@ void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
   std::random_device entropy;
   const std::uint64_t number = std::uint64_t{entropy()} << 32 | entropy();
   const std::string own = "." + hash_text(number) + temporary_suffix;
-  replace_file(path, with_suffix(path, own), Pieces(&bytes, 1));
+  constexpr std::size_t longest_name = 255;  // bytes, of common file systems
+  const bool fits = path.filename().string().size() + own.size() <= longest_name;
+  replace_file(path, fits ? with_suffix(path, own) : path.parent_path() / own, Pieces(&bytes, 1));
 }
 
 }  // namespace fascicle::base

@@ -14,7 +14,7 @@ namespace fascicle::base {
 
 enum class FileMode {
   read,
-  modify,   // must exist; writes append. Throws BakeError if it is a symbolic link
+  modify,   // must exist; writes append. Throws BakeError for a symbolic link or one of several hard links
   replace,  // new and empty; replaces an existing name. A symbolic link is replaced, not followed
 };
 

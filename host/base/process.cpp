@@ -169,6 +169,12 @@ std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, const Proc
 
 }  // namespace
 
+bool was_killed_from_outside(const ProcessResult& result) {
+  constexpr std::array signals{SIGKILL, SIGTERM, SIGHUP, SIGINT};
+  return result.end == ProcessEnd::signalled &&
+         std::find(signals.begin(), signals.end(), result.code) != signals.end();
+}
+
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits) {
   auto [error_output, child_error] = make_pipe();

@@ -37,6 +37,10 @@ struct ProcessResult {
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
 
+// Whether a signal ended it that its own faults and its limits do not send, such as that of the system when
+// memory runs out.
+bool was_killed_from_outside(const ProcessResult& result);
+
 // Starts a program (its path is the first of `arguments`) in a new process group and does not wait for it.
 // stdin and stdout are /dev/null, stderr is `error_output` or, with no_output, /dev/null; signals are as a
 // shell would leave them. It is killed when the thread that started it ends, however that ends. Throws

@@ -37,6 +37,22 @@ std::string environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
+bool is_hexadecimal(const std::string& text, std::size_t least_digits) {
+  return text.size() >= least_digits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// KEY.entry, where keys are hashes. The folder may also hold files of others.
+bool is_entry(const fs::path& path) {
+  return path.extension() == suffix && is_hexadecimal(path.stem().string(), 32);
+}
+
+// As base::write_whole_beside_others names it: KEY.entry.NUMBER.tmp.
+bool is_entry_in_writing(const fs::path& path) {
+  if (path.extension() != base::temporary_suffix) return false;
+  const std::string number = path.stem().extension().string();
+  return !number.empty() && is_hexadecimal(number.substr(1), 16) && is_entry(path.stem().stem());
+}
+
 }  // namespace
 
 fs::path default_cache_folder() {
@@ -107,9 +123,8 @@ void Cache::make_room(const fs::path& newest) const {
     const fs::file_time_type used = file.last_write_time(gone);
     const std::uint64_t size = file.file_size(gone);
     if (gone) continue;
-    if (file.path().extension() == base::temporary_suffix && used < now - forgotten)
-      fs::remove(file.path(), ignored);
-    if (file.path().extension() != suffix) continue;
+    if (is_entry_in_writing(file.path()) && used < now - forgotten) fs::remove(file.path(), ignored);
+    if (!is_entry(file.path())) continue;
     total += size;
     if (file.path() != newest) entries.push_back({used, file.path(), size});
   }

@@ -83,10 +83,7 @@ void check_time(const ProcessResult& result, const ProcessLimits& limits, const 
 
 void check_machine(const ProcessResult& result, const std::string& what) {
   const std::string helper = mesher_name;
-  // Its own faults end it by other signals, and its limits on time and memory do not kill it.
-  constexpr std::array from_outside{SIGKILL, SIGTERM, SIGHUP, SIGINT};
-  if (result.end == ProcessEnd::signalled &&
-      std::find(from_outside.begin(), from_outside.end(), result.code) != from_outside.end())
+  if (base::was_killed_from_outside(result))
     throw std::runtime_error(helper + " was killed from outside (" + ::strsignal(result.code) + ") while " +
                              what + ", often for lack of memory; free or request more memory, and try again");
   if (result.end == ProcessEnd::exited &&

@@ -46,7 +46,9 @@ std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& c
   std::vector<std::vector<Eigen::Matrix4d>> poses;
   if (character.clips.empty()) return poses;
   const std::size_t each = std::clamp<std::size_t>(most_of_all / character.clips.size(), 1, most_of_clip);
-  for (const rig::Clip& clip : character.clips) {
+  const std::size_t count = std::min(character.clips.size(), most_of_all);
+  for (std::size_t c = 0; c < count; ++c) {
+    const rig::Clip& clip = character.clips[c * character.clips.size() / count];
     const rig::Clip straight = rig::straight_clip(clip);
     for (std::size_t k = 0; k < each; ++k) {
       const double time =

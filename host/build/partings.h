@@ -14,9 +14,9 @@
 namespace fascicle::build {
 
 // The maps of all joints from the bind pose to some poses of all clips, evenly spaced in each clip: 96
-// divided by the number of clips, but at least 1 and at most 16 per clip. Linear keys are interpolated
-// linearly, so that a body does not depend on which clip is played and smoothed. Lengths are those of the
-// character times `scale`.
+// divided by the number of clips, but at least 1 and at most 16 per clip, of 96 clips at most. Linear keys
+// are interpolated linearly, so that a body does not depend on which clip is played and smoothed. Lengths are
+// those of the character times `scale`.
 std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& character, double scale);
 
 class Partings {

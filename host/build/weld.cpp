@@ -1,9 +1,11 @@
 #include "host/build/weld.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -57,11 +59,13 @@ struct CellEntry {
 // Finds nearby vertices through a grid kept as a sorted list.
 class NearbyVertices {
  public:
-  NearbyVertices(const std::vector<Vector3d>& vertices, double tolerance)
+  // Those vertices that are their own `first`.
+  NearbyVertices(const std::vector<Vector3d>& vertices, const std::vector<std::uint32_t>& first,
+                 double tolerance)
       : vertices_(vertices), tolerance_(tolerance), low_(vertices[0]) {
     for (const Vector3d& p : vertices) low_ = low_.cwiseMin(p);
-    entries_.reserve(vertices.size());
-    for (std::uint32_t i = 0; i < vertices.size(); ++i) entries_.push_back({cell_of(vertices[i]), i});
+    for (std::uint32_t i = 0; i < vertices.size(); ++i)
+      if (first[i] == i) entries_.push_back({cell_of(vertices[i]), i});
     std::sort(entries_.begin(), entries_.end());
   }
 
@@ -95,16 +99,43 @@ class NearbyVertices {
   std::vector<CellEntry> entries_;
 };
 
+// Of the triangles: a vertex that belongs to none may lie anywhere. Not so small that cells cannot be
+// numbered.
+double weld_distance(const SurfaceMesh& surface) {
+  constexpr double least_of_all = 1e-15;
+  Eigen::AlignedBox3d of_triangles, of_all;
+  for (const auto& triangle : surface.triangles)
+    for (const std::uint32_t corner : triangle) of_triangles.extend(surface.vertices[corner]);
+  for (const Vector3d& p : surface.vertices) of_all.extend(p);
+  return std::max(weld_of_diagonal * of_triangles.diagonal().norm(), least_of_all * of_all.diagonal().norm());
+}
+
+// For each vertex the lowest one at exactly its place.
+std::vector<std::uint32_t> firsts_at_places(const std::vector<Vector3d>& vertices) {
+  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto place = [&](std::uint32_t i) {
+    return std::array{vertices[i][0], vertices[i][1], vertices[i][2]};
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(place(a), a) < std::pair(place(b), b);
+  });
+  for (std::size_t k = 0; k < order.size(); ++k)
+    first[order[k]] = k > 0 && place(order[k]) == place(order[k - 1]) ? first[order[k - 1]] : order[k];
+  return first;
+}
+
 // For each vertex the lowest vertex it coincides with.
 std::vector<std::uint32_t> representatives(const SurfaceMesh& surface) {
-  Vector3d low = surface.vertices[0], high = low;
-  for (const Vector3d& p : surface.vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const NearbyVertices nearby(surface.vertices, weld_of_diagonal * (high - low).norm());
+  // Any number of vertices may lie in one place: only the first of them is compared with others.
+  const std::vector<std::uint32_t> first = firsts_at_places(surface.vertices);
+  const NearbyVertices nearby(surface.vertices, first, weld_distance(surface));
   std::vector<std::uint32_t> same(surface.vertices.size());
   for (std::uint32_t i = 0; i < same.size(); ++i) {
+    if (first[i] != i) {
+      same[i] = same[first[i]];
+      continue;
+    }
     std::uint32_t lowest = i;
     nearby.for_each(i, [&](std::uint32_t j) { lowest = std::min(lowest, j); });
     same[i] = lowest == i ? i : same[lowest];

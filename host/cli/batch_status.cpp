@@ -234,7 +234,7 @@ void merge_jobs(const StatusArguments& arguments, const BatchPlan& plan, const s
   write_batch_summary(plan.output, rows);
   log.info("wrote " + (plan.output / scene::batch_summary).string());
   if (plan.folder.empty()) return;
-  base::write_whole(plan.folder / "report.txt", report);
+  base::write_whole_beside_others(plan.folder / "report.txt", report);
   log.info("wrote " + (plan.folder / "report.txt").string());
 }
 
@@ -258,8 +258,9 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
   std::vector<std::pair<std::string, std::string>> lines;
   for (const JobState& job : jobs) lines.emplace_back(job.row.job, job.text);
   const std::string report = count_line(plan.output, jobs) + "\n" + columns_text(lines);
-  std::cout << report;
+  // Whoever reads the output may have gone: printing may end the program.
   if (arguments.merge) merge_jobs(arguments, plan, jobs, report, log);
+  std::cout << report;
   return code_of(jobs);
 }
 

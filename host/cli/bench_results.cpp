@@ -46,7 +46,7 @@ Json json_of(const BenchRow& row) {
 
 // Writes all or nothing. Replaces a symbolic link rather than following it.
 void write_text_file(const std::filesystem::path& path, const std::string& text) try {
-  base::write_whole(std::filesystem::absolute(path), text);
+  base::write_whole_beside_others(std::filesystem::absolute(path), text);
 } catch (const std::system_error& error) {
   throw bake::BakeError(path.string() + ": cannot be written (" + error.code().message() +
                         "); choose another file");

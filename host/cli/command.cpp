@@ -172,6 +172,8 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       .add_option("--rigid", overrides.rigid,
                   "Characters: skin that only follows its joints, by the name of a joint, object or "
                   "material; repeatable")
+      ->allow_extra_args(false)
+      ->take_all()
       ->option_text("NAME");
   subcommand
       .add_option("--quality", overrides.quality,

@@ -26,7 +26,8 @@ fs::path job_record_file(const fs::path& output, const std::string& job) {
 
 void write_job_record(const fs::path& output, const std::string& job, const JobRecord& record) {
   const fs::path file = job_record_file(output, job);
-  bake::make_folder(file.parent_path());
+  bake::make_folder(output);
+  base::make_own_folder(file.parent_path());
   const nlohmann::ordered_json json{
       {"host", record.host},
       {"process", record.process},

@@ -112,8 +112,9 @@ class Batch {
     }
     log_.clear_bar();
     if (!interrupted) log_.share(1.0);
-    print_results();
+    // Whoever reads the output may have gone: printing may end the program.
     if (!asked_.is_part) write_summary();
+    print_results();
     return code(interrupted);
   }
 
@@ -374,7 +375,7 @@ class Batch {
       write_job_record(asked_.output, job.name,
                        {name_of_this_host(), static_cast<long>(::getpid()), outcome.device, outcome.status,
                         outcome.error, outcome.warnings, settings_text(job)});
-    } catch (const std::system_error& error) {
+    } catch (const std::runtime_error& error) {
       log_.warning(job.name + ": its record cannot be written: " + error.what());
     }
   }

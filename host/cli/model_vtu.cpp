@@ -86,7 +86,7 @@ std::string model_vtu_text(const model::Model& model) {
 }
 
 void write_model_vtu(const std::filesystem::path& path, const model::Model& model) {
-  base::write_whole(std::filesystem::absolute(path), model_vtu_text(model));
+  base::write_whole_beside_others(std::filesystem::absolute(path), model_vtu_text(model));
 }
 
 }  // namespace fascicle::cli

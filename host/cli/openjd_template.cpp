@@ -117,7 +117,8 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
           ? "# An Open Job Description template of bakes, written by `fascicle batch --emit openjd`. It is\n"
             "# JSON, which is also valid YAML 1.2.\n"
           : "";
-  base::write_whole(file, head + whole.dump(2, ' ', false, TemplateJson::error_handler_t::replace) + "\n");
+  base::write_whole_beside_others(
+      file, head + whole.dump(2, ' ', false, TemplateJson::error_handler_t::replace) + "\n");
 }
 
 }  // namespace fascicle::cli

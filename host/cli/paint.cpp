@@ -46,7 +46,8 @@ ExitCode write_painted(const PaintArguments& arguments, Log& log) try {
                                               paint_file, character.surface);
   rig::lay_over(paint, character);
   std::vector<std::string> missing;
-  base::write_whole(fs::absolute(arguments.output), formats::painted_glb(file, character, paint, missing));
+  base::write_whole_beside_others(fs::absolute(arguments.output),
+                                  formats::painted_glb(file, character, paint, missing));
   for (const std::string& image : missing)
     log.warning(image + ": not found next to the character; a white pixel replaces it");
   std::string painted;

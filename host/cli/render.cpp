@@ -148,7 +148,7 @@ unsigned columns_of(const Plan& plan, const render::Image& cell) {
 }
 
 void write_png(const fs::path& path, const render::Image& image) {
-  base::write_whole(fs::absolute(path), render::encode_png(image));
+  base::write_whole_beside_others(fs::absolute(path), render::encode_png(image));
 }
 
 // How many pictures in the folder follow the last of this run without a gap. They may be of an earlier run

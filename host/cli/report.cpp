@@ -196,7 +196,7 @@ ExitCode write_report(const ReportArguments& arguments, Log& log) {
   }
   log.clear_bar();
   const std::string page = report_page(report, manifest);
-  base::write_whole(fs::absolute(arguments.output), page);
+  base::write_whole_beside_others(fs::absolute(arguments.output), page);
   std::cout << "wrote " << arguments.output << ": " << bytes_text(page.size()) << ", "
             << counted_text(report.pictures.size(), "frame", "frames") << "\n";
   return ExitCode::done;

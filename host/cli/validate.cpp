@@ -205,7 +205,7 @@ std::uint64_t frames_of(const ValidateArguments& arguments, const scene::Scene& 
 
 // --html. The page is written whatever the result.
 void write_page(const ValidateArguments& arguments, const std::string& page) {
-  base::write_whole(std::filesystem::absolute(arguments.html), page);
+  base::write_whole_beside_others(std::filesystem::absolute(arguments.html), page);
 }
 
 // --converged

@@ -60,7 +60,7 @@ ExitCode view(const ViewArguments& arguments, Log& log) {
     return ExitCode::interrupted;
   }
   for (const std::string& warning : result.warnings) log.warning(warning);
-  base::write_whole(fs::absolute(arguments.output), result.html);
+  base::write_whole_beside_others(fs::absolute(arguments.output), result.html);
   if (arguments.json) {
     std::cout << nlohmann::ordered_json{{"file", arguments.output},      {"bytes", result.html.size()},
                                         {"frames", result.frames},       {"vertices", result.vertices},

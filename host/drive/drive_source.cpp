@@ -343,13 +343,14 @@ model::State DriveSource::state_on_skeleton(std::uint64_t frame) const {
   return state;
 }
 
-std::vector<DriveSource::Thrown> DriveSource::thrown() {
+std::vector<DriveSource::Thrown> DriveSource::thrown(const GoesOn& goes_on) {
   Impl& impl = *impl_;
   std::vector<Thrown> worst;
   if (!impl.timeline) return worst;
   const std::uint64_t substeps = impl.substeps, last = scene::cycle_frames(impl.scene) * substeps;
   std::vector<Thrown> of_joint(impl.model.joint_count);
   for (std::uint64_t count = 2; count <= last; ++count) {
+    if (goes_on && count % substeps == 0 && !goes_on()) break;
     // A clip that ends between two frames stops there, and no key is to blame.
     if (impl.timeline->is_over(count)) break;
     for (std::size_t j = 0; j < of_joint.size(); ++j) {
@@ -373,13 +374,15 @@ double DriveSource::acceleration_limit(std::size_t joint) const {
   return impl_->felt ? impl_->felt->limit(joint) : 0.0;
 }
 
-void DriveSource::for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit) {
+void DriveSource::for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit,
+                                 const GoesOn& goes_on) {
   Impl& impl = *impl_;
   if (!impl.timeline) return;
   const auto& skeleton = std::get<rig::Character>(impl.scene.geometry).skeleton;
   const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
   std::vector<Throw> thrown(skeleton.size());
   for (std::uint64_t count = 1; count <= last; ++count) {
+    if (goes_on && count % impl.substeps == 0 && !goes_on()) return;
     const Pose& to = impl.timeline->pose(count);
     for (std::size_t j = 0; j < thrown.size(); ++j) {
       thrown[j] = {};

@@ -37,14 +37,16 @@ class DriveSource {
   model::Drive drive(std::uint64_t frame);
 
   // Joints that accelerate flesh beyond the limit on what it feels (felt_acceleration.h) in one cycle of the
-  // clip: each once, with its largest acceleration, the worst first. Runs through all substeps.
+  // clip: each once, with its largest acceleration, the worst first. Runs through all substeps; asks
+  // `goes_on` in each frame, and stops when it is false.
+  using GoesOn = std::function<bool()>;
   struct Thrown {
     std::size_t joint = 0;
     double acceleration = 0.0;  // m/s^2
     double time = 0.0;          // s of the clip
     std::uint64_t frame = 0;    // in which that occurs
   };
-  std::vector<Thrown> thrown();
+  std::vector<Thrown> thrown(const GoesOn& goes_on = {});
   // Where a root jumps in the first cycle, and no cut is marked (timeline.h).
   std::vector<Timeline::Jump> jumps();
   double acceleration_limit(std::size_t joint) const;  // m/s^2; 0 without a skeleton
@@ -52,10 +54,12 @@ class DriveSource {
   // The accelerations at the middle of each joint's flesh, in one cycle of the clip, m/s^2: gravity as it
   // acts on the rest shape, and the negated acceleration of the skeleton there, within the limit on what
   // flesh feels. Calls visit(throws) at the end of each substep; both are 0 for joints without free flesh.
+  // `goes_on`: as for thrown().
   struct Throw {
     scene::Vector3d gravity = scene::Vector3d::Zero(), inertia = scene::Vector3d::Zero();
   };
-  void for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit);
+  void for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit,
+                      const GoesOn& goes_on = {});
 
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Empty without a skeleton.

@@ -1,5 +1,6 @@
 #include "host/gltf/convert.h"
 
+#include <cstring>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -85,6 +86,11 @@ void convert_character(const std::filesystem::path& input, const std::filesystem
   } catch (const std::system_error& error) {
     fail_to_convert(input, error.what());
   }
+  if (base::was_killed_from_outside(result))
+    throw std::runtime_error(input.string() + ": " + converter_name + " was killed from outside (" +
+                             ::strsignal(result.code) +
+                             ") while converting it, often for lack of memory; free or request more memory, "
+                             "and try again");
   if (result.end == base::ProcessEnd::exited && result.code == cannot_write)
     fail_to_convert(input, reason_of(result, given));
   if (result.end != base::ProcessEnd::exited || result.code != 0)

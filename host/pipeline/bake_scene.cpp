@@ -94,10 +94,10 @@ bool is_soft(const model::Model& model) {
 
 // A warning if the skeleton accelerates flesh beyond the limit on what it feels, or empty.
 std::string warning_of_throws(const scene::Scene& scene, const model::Model& model,
-                              drive::DriveSource& drives) {
+                              drive::DriveSource& drives, const drive::DriveSource::GoesOn& goes_on) {
   constexpr std::size_t most_named = 4;
   if (!is_soft(model)) return "";
-  const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown();
+  const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown(goes_on);
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   std::string text = "the clip accelerates flesh beyond motion.acceleration_limit, " +
@@ -179,6 +179,17 @@ void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
 // Runs `work` on the current device; if it fails, on the next one, until none is left.
 template <class Work>
 auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& say, const Work& work) {
+  const auto go_on_after = [&](const std::string& what) {
+    say_warning(say, what + "; the next device continues");
+    prepared.warnings.push_back(what + "; another device continued");
+    // Destroy the solver before its device.
+    prepared.simulation.solver.reset();
+    try {
+      take_device(prepared, request, say);
+    } catch (const NoSuchDevice& none) {
+      throw DeviceFailed(what + "; and " + none.what() + how_to_go_on);
+    }
+  };
   for (;;) {
     try {
       return work();
@@ -187,15 +198,11 @@ auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
       const std::string what =
           device.label() + " (" + device.description().name + ") failed: " + error.what();
       if (prepared.devices_tried == request.devices.size()) throw DeviceFailed(what + how_to_go_on);
-      say_warning(say, what + "; the next device continues");
-      prepared.warnings.push_back(what + "; another device continued");
-      // Destroy the solver before its device.
-      prepared.simulation.solver.reset();
-      try {
-        take_device(prepared, request, say);
-      } catch (const NoSuchDevice& none) {
-        throw DeviceFailed(what + "; and " + none.what() + how_to_go_on);
-      }
+      go_on_after(what);
+    } catch (const NoSuchDevice& error) {
+      // A device that ran one solver may have no memory for the next one.
+      if (prepared.devices_tried == request.devices.size()) throw;
+      go_on_after(error.what());
     }
   }
 }
@@ -330,10 +337,22 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   const scene::Scene& scene = prepared.scene;
   const Built& built = prepared.built;
   drive::DriveSource drives(scene, built.model, built.steps.substeps);
-  warn(warning_of_throws(scene, built.model, drives));
-  warn(warning_of_jumps(scene, built.model, drives));
-  if (prepared.look_body)
-    prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
+  LongWait wait(say);
+  const auto goes_on = [&] {
+    wait.go_on("still before frame 0, looking for how hard the clip throws the flesh");
+    return !is_interrupted(request);
+  };
+  const std::string throws = warning_of_throws(scene, built.model, drives, goes_on);
+  if (!is_interrupted(request)) {
+    warn(throws);
+    warn(warning_of_jumps(scene, built.model, drives));
+    if (prepared.look_body)
+      prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives, goes_on);
+  }
+  if (is_interrupted(request)) {
+    prepared.expected.reset();
+    prepared.is_undecided = true;
+  }
   if (!prepared.simulation.solver) take_device(prepared, request, say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score && bake::can_try_look(scene)) {
     prepared.tried = tried_on_a_device(prepared, request, say, drives,

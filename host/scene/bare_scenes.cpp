@@ -37,6 +37,18 @@ double largest_extent(const std::vector<Vector3d>& points) {
 }
 
 // Longest side in metres; 1 if empty.
+// The vertices of the triangles. Files also have vertices that belong to none, which may lie anywhere.
+std::vector<Vector3d> corners_of(const mesh::SurfaceMesh& surface) {
+  std::vector<char> is_used(surface.vertices.size(), surface.triangles.empty() ? 1 : 0);
+  for (const auto& triangle : surface.triangles)
+    for (const std::uint32_t corner : triangle)
+      if (corner < is_used.size()) is_used[corner] = 1;
+  std::vector<Vector3d> corners;
+  for (std::size_t i = 0; i < is_used.size(); ++i)
+    if (is_used[i] != 0) corners.push_back(surface.vertices[i]);
+  return corners;
+}
+
 double size_of(const std::vector<Vector3d>& points) {
   const double extent = largest_extent(points);
   return extent > 0.0 ? extent : 1.0;
@@ -87,7 +99,7 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
   std::vector<Vector3d> none;
   const auto* tets = std::get_if<mesh::TetMesh>(&mesh);
   const auto* surface = std::get_if<mesh::SurfaceMesh>(&mesh);
-  const double size = scale * size_of(tets ? tets->vertices : surface ? surface->vertices : none);
+  const double size = scale * size_of(tets ? tets->vertices : surface ? corners_of(*surface) : none);
   check_size(path.string() + ": the mesh", size, longest_mesh,
              "give its unit in metres, as in --set mesh.scale=0.001");
   return "[scene]\n"
@@ -131,10 +143,11 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) 
   for (const rig::Character& one : characters) {
     for (const rig::PaintedAttribute& painted : one.painted)
       all.painted.push_back({painted.name, painted.width, {}});
-    const double extent = largest_extent(one.surface.vertices);
+    std::vector<Vector3d> corners = corners_of(one.surface);
+    const double extent = largest_extent(corners);
     if (!(extent > largest)) continue;
     largest = extent;
-    all.surface.vertices = one.surface.vertices;
+    all.surface.vertices = std::move(corners);
   }
   return all;
 }
@@ -143,7 +156,7 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
   // The outer third of the way from bone to skin is fat. The inner third is bone, which must hold the flesh.
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
-  const double size = size_of(character.surface.vertices);
+  const double size = size_of(corners_of(character.surface));
   check_size(source + ": the character", size, longest_character,
              "scale it to metres in the program that made it");
   const double speed = size / seconds_across;

@@ -69,6 +69,11 @@ TEST_F(FileBesideLinks, ModifyRefuses) {
   EXPECT_THROW(File(link("out"), FileMode::modify), base::BakeError);
   File(folder_ / "victim", FileMode::modify).write("!");
   EXPECT_EQ(victim(), "precious!");
+  // As in a snapshot by `cp -al`.
+  fs::create_hard_link(folder_ / "victim", folder_ / "snapshot");
+  EXPECT_THROW(File(folder_ / "victim", FileMode::modify), base::BakeError);
+  fs::remove(folder_ / "snapshot");
+  EXPECT_NO_THROW(File(folder_ / "victim", FileMode::modify));
 }
 
 TEST_F(FileBesideLinks, ReadFollows) {
@@ -84,6 +89,12 @@ TEST_F(FileBesideLinks, WholeFilesReplaceLinks) {
   const fs::path beside = link("beside");
   base::write_whole_beside_others(beside, "mine");
   EXPECT_TRUE(is_plain(beside));
+  // Names that the suffix of a temporary file would make too long.
+  for (const std::size_t length : {std::size_t{230}, std::size_t{250}, std::size_t{255}}) {
+    const fs::path longest = folder_ / std::string(length, 'n');
+    base::write_whole_beside_others(longest, "mine");
+    EXPECT_EQ(text_of(longest), "mine") << length;
+  }
   const fs::path staged = link("staged");
   link("staged.tmp");
   base::stage(staged, "mine");

@@ -139,16 +139,23 @@ TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
   set_age(key_a, 3);
   set_age(key_b, 2);
   ASSERT_TRUE(cache.find(key_a));  // a use; now b is the oldest
-  overwrite(folder_ / "mine.txt", bytes);
-  overwrite(folder_ / "old.1-1.tmp", bytes);
-  fs::last_write_time(folder_ / "old.1-1.tmp", fs::file_time_type::clock::now() - std::chrono::hours(5));
+  const fs::path stale = folder_ / (key_c + ".entry.0123456789abcdef.tmp");
+  const std::array mine{folder_ / "mine.txt", folder_ / "render.tmp", folder_ / "diary.entry",
+                        folder_ / (key_a + ".tmp"), folder_ / "diary.entry.0123456789abcdef.tmp"};
+  overwrite(stale, bytes);
+  for (const fs::path& file : mine) overwrite(file, bytes);
+  const auto set_old = [](const fs::path& file) {
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(5));
+  };
+  set_old(stale);
+  for (const fs::path& file : mine) set_old(file);
   cache.put(key_c, bytes);
   EXPECT_TRUE(cache.find(key_a));
   EXPECT_FALSE(cache.find(key_b));
   EXPECT_TRUE(cache.find(key_c));
   // Other people's files stay; a stale temporary file is removed.
-  EXPECT_TRUE(fs::exists(folder_ / "mine.txt"));
-  EXPECT_FALSE(fs::exists(folder_ / "old.1-1.tmp"));
+  for (const fs::path& file : mine) EXPECT_TRUE(fs::exists(file)) << file;
+  EXPECT_FALSE(fs::exists(stale));
   // An entry larger than the whole cache is not kept and evicts nothing.
   cache.put(key_b, std::string(5000, 'y'));
   EXPECT_FALSE(cache.find(key_b));

@@ -48,6 +48,31 @@ TEST(Weld, JoinsWithinABillionthOfTheDiagonalOnly) {
   EXPECT_EQ(welded_with_gap(2e-9 * diagonal), 9u);
 }
 
+// Exporters leave vertices behind that no triangle uses: they neither coarsen the weld nor merge with others,
+// even if they are very far away.
+TEST(Weld, LooseVerticesDecideNothing) {
+  for (const double away : {30.0, 1e8, 1e12}) {
+    SurfaceMesh cube = cube_surface(2.0);
+    cube.vertices.emplace_back(away, 0.0, 0.0);
+    build::Report report;
+    const build::WeldedSurface welded = build::weld(cube, "test", report);
+    EXPECT_EQ(welded.surface.vertices, cube_surface(2.0).vertices) << away;
+  }
+}
+
+// Thousands of loose vertices in one place are one vertex, the first.
+TEST(Weld, ManyVerticesMayLieInOnePlace) {
+  SurfaceMesh cube = cube_surface(2.0);
+  cube.vertices.resize(200'008, cube.vertices[7]);
+  cube.triangles[0][0] = 100'000;
+  cube.triangles[0][1] = 8;
+  cube.triangles[0][2] = 9;
+  build::Report report;
+  const build::WeldedSurface welded = build::weld(cube, "test", report);
+  EXPECT_EQ(welded.surface.triangles.size(), 11u);
+  for (std::size_t v = 7; v < cube.vertices.size(); ++v) ASSERT_EQ(welded.of_vertex[v], 7u) << v;
+}
+
 TEST(Weld, KeepsTheOrderAndPassesByStrayVertices) {
   SurfaceMesh cube = cube_surface(2.0);
   cube.vertices.insert(cube.vertices.begin(), Vector3d(0.9, 0.9, 0.95));

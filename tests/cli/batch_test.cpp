@@ -48,6 +48,19 @@ void expect_what_bake_makes(const TemporaryFolder& folder) {
   }
 }
 
+// Whoever reads the results may go, as `head` does: that may end the program, but loses nothing.
+TEST(Batch, ResultsAreWrittenBeforeTheyArePrinted) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder, three_bars);
+  const std::string piped = std::string(FASCICLE_PROGRAM) + " batch " + list + " -q --device cpu | true";
+  ASSERT_EQ(std::system(piped.c_str()), 0);
+  for (const json& row : summary_of(folder)) EXPECT_EQ(row.at("status"), "done");
+  fs::remove(folder / "out/batch.json");
+  const std::string merged = std::string(FASCICLE_PROGRAM) + " batch status " + list + " --merge | sleep 0";
+  ASSERT_EQ(std::system(merged.c_str()), 0);
+  EXPECT_EQ(summary_of(folder).size(), 3u);
+}
+
 TEST(Batch, MakesWhatBakeMakesOnSeveralDevices) {
   const TemporaryFolder folder;
   const std::string list = list_in(folder, three_bars);

@@ -116,6 +116,16 @@ TEST(CommandLine, BadOverrideIsTwoAndNamesTheNearestKey) {
   expect_error(fascicle({"inspect", "bar-hang-none", "--set", "layers.body.alpha=4.1"}), 2, "alpha");
 }
 
+// Options that may be repeated take one value each time.
+TEST(CommandLine, TheSceneAfterARepeatableOptionIsTheScene) {
+  for (const auto& [option, value] :
+       {std::pair{"--rigid", "Head"}, std::pair{"--only", "Head"}, std::pair{"--set", "scene.end=0.1"}}) {
+    const Outcome outcome = fascicle({"bake", option, value, "no-such-scene"});
+    EXPECT_EQ(outcome.status, 3) << option;
+    EXPECT_TRUE(contains(outcome.err, "no-such-scene")) << option << ": " << outcome.err;
+  }
+}
+
 TEST(CommandLine, UnknownSceneIsThreeAndSuggestsTheNearest) {
   for (const char* command : {"bake", "validate", "inspect", "scenes"})
     expect_error(fascicle({command, "bar-hang-nome"}), 3, "bar-hang-none");

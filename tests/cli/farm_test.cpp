@@ -155,6 +155,18 @@ TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
   EXPECT_EQ(fascicle({"batch", "status", farm.job()}).status, 0);
 }
 
+TEST(BatchFarm, RecordsOfJobsAreNotWrittenThroughALink) {
+  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.1\"]\n");
+  fs::create_directories(farm.folder / "others");
+  fs::create_directories(farm.output());
+  fs::create_directory_symlink(farm.folder / "others", farm.output() + "/.outcomes");
+  const Outcome outcome = fascicle({"batch", farm.list(), "--job", "1"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "its record cannot be written")) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "symbolic link")) << outcome.err;
+  EXPECT_TRUE(fs::is_empty(farm.folder / "others"));
+}
+
 TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
   const Farm farm;
   const Outcome first = fascicle({"batch", farm.list(), "--job", "bar-0.6"});

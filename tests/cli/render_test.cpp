@@ -38,6 +38,14 @@ class Render : public testing::Test {
   std::string bake_ = folder_ / "bake";
 };
 
+TEST_F(Render, LeavesTheUsersOwnFilesBesideThePicture) {
+  write_text(folder_ / "now.png.tmp", "mine");
+  const Outcome outcome = render({"-o", folder_ / "now.png"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(is_png(folder_ / "now.png"));
+  EXPECT_EQ(read_text(folder_ / "now.png.tmp"), "mine");
+}
+
 TEST_F(Render, EveryModeGivesItsOwnPicture) {
   std::vector<std::string> pictures;
   for (const char* mode : {"shaded", "layers", "fibres", "lag"}) {

@@ -2,11 +2,14 @@
 // requested.
 #include "cpu_reference/solver/thread_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -44,6 +47,32 @@ TEST(ThreadPool, VisitsEachItemOnce) {
     for (const std::uint32_t count : {0u, 1u, 7u, 1000u})
       EXPECT_TRUE(visits_each_once(pool, count)) << threads << " threads, " << count << " items";
   }
+}
+
+// As when memory runs out. Whichever thread it happens in, the caller learns of it after the other chunks
+// have been run, and the pool goes on.
+TEST(ThreadPool, WhatAChunkThrowsReachesTheCaller) {
+  constexpr std::uint32_t count = 1000;
+  for (const unsigned threads : {1u, 2u, 8u})
+    for (const std::uint32_t bad : {0u, 500u, count - 1}) {
+      ThreadPool pool(threads);
+      std::vector<int> visits(count, 0);
+      EXPECT_THROW(pool.run(count,
+                            [&](std::uint32_t first, std::uint32_t last) {
+                              if (first <= bad && bad < last) throw std::bad_alloc();
+                              for (std::uint32_t i = first; i < last; ++i) ++visits[i];
+                            }),
+                   std::bad_alloc)
+          << threads << " threads, item " << bad;
+      // No chunk runs twice, and the failed one counts for at most a whole run by one thread.
+      for (const int v : visits) EXPECT_LE(v, 1);
+      EXPECT_TRUE(threads == 1 || std::count(visits.begin(), visits.end(), 1) > count / 2);
+      EXPECT_TRUE(visits_each_once(pool, count));
+      // All chunks fail at once.
+      EXPECT_THROW(pool.run(count, [](std::uint32_t, std::uint32_t) { throw std::runtime_error("all"); }),
+                   std::runtime_error);
+      EXPECT_TRUE(visits_each_once(pool, count));
+    }
 }
 
 // A pool without workers, or with idle workers, fails this: each chunk waits, for at most ten seconds, until

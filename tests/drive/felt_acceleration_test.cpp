@@ -240,6 +240,22 @@ TEST(AccelerationLimit, IsNotSaidOfAClipsEnd) {
   EXPECT_NEAR(thrown[0].time, seconds, 1.0 / bar.scene.fps);
 }
 
+// Both look at every substep of the clip: whoever waits may stop them in any frame.
+TEST(AccelerationLimit, LookingForThrowsCanBeStopped) {
+  BendingBar bar = leaping_bar();
+  drive::DriveSource drives(bar.scene, bar.model);
+  std::uint64_t frames = 0, substeps = 0;
+  const auto visit = [&](const std::vector<drive::DriveSource::Throw>&) { ++substeps; };
+  (void)drives.thrown([&] { return ++frames != 0; });
+  EXPECT_GT(frames, 20u);
+  frames = 0;
+  drives.for_each_throw(visit, [&] { return ++frames < 3; });
+  EXPECT_EQ(frames, 3u);
+  EXPECT_EQ(substeps, 3 * drives.substeps() - 1);
+  EXPECT_FALSE(drives.thrown().empty());
+  EXPECT_TRUE(drives.thrown([] { return false; }).empty());
+}
+
 // The limit is applied as a cut, which the float solver and the Oracle implement separately.
 TEST(AccelerationLimit, TheOracleFeelsTheSame) {
   BendingBar bar = accelerated_bar();

@@ -485,6 +485,14 @@ TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
                   .find(hero.string() + ": " + words + by_hand),
               0u)
         << said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2});
+  // What the system or a scheduler ends says nothing about the file.
+  for (const auto& [script, words] : {std::pair{"kill -KILL $$", "was killed from outside (Killed)"},
+                                      std::pair{"kill -TERM $$", "was killed from outside (Terminated)"}})
+    try {
+      ADD_FAILURE() << said(script, {});
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
   // On a busy machine it gets little CPU time, and is waited for.
   EXPECT_NE(said("i=0; while [ $i -lt 10 ]; do i=$((i+1)); sleep 0.2; done; exit 6", {.seconds = 1.0})
                 .find("more than 4 GiB of memory"),

@@ -56,5 +56,23 @@ TEST(BareScenes, RoundStiffness) {
   EXPECT_NE(small.find("damping = 158.0\n"), std::string::npos) << small;
 }
 
+// Exporters leave vertices behind that no triangle uses, wherever they were.
+TEST(BareScenes, DoNotMeasureLooseVertices) {
+  rig::Character character;
+  character.surface = tetrahedron_of(1.0);
+  rig::Character loose = character;
+  loose.surface.vertices.emplace_back(30.0, 0.0, 0.0);
+  EXPECT_EQ(scene::scene_for_mesh("a.obj", loose.surface, 1.0),
+            scene::scene_for_mesh("a.obj", character.surface, 1.0));
+  const auto layers = [](const rig::Character& of) {
+    return scene::layers_for_character(of, scene::Stiffness::modulus, "a.glb");
+  };
+  EXPECT_EQ(layers(loose), layers(character));
+  EXPECT_EQ(layers(scene::what_layers_go_by({loose})), layers(character));
+  // The control: a larger body is stiffer.
+  loose.surface.triangles.push_back({0, 1, 4});
+  EXPECT_NE(layers(loose), layers(character));
+}
+
 }  // namespace
 }  // namespace fascicle::tests
