@@ -233,6 +233,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
         }
       },
       goes_on);
+  if (goes_on && !goes_on()) return std::nullopt;
   const auto swing_through = [&](std::size_t k, double stiffer) {
     const Swing& swing = swings[k];
     ExpectedLook look{.joint = swing.joint, .layer = swing.layer};

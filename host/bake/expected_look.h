@@ -33,8 +33,8 @@ struct ExpectedLook {
   double stiffer = 1.0;     // stiffening all layers by this factor brings the score to 1 or below
 };
 
-// Empty without free flesh. `body`: from look_body_of. Runs through all substeps of one cycle, or
-// until `goes_on` is false: then of those.
+// Empty without free flesh. `body`: from look_body_of. Runs through all substeps of one cycle, and
+// asks `goes_on` in each frame: empty once it is false.
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
                                           const LookBody& body, drive::DriveSource& drives,
                                           const drive::DriveSource::GoesOn& goes_on = {});

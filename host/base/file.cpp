@@ -296,7 +296,14 @@ void publish(const fs::path& folder, std::span<const fs::path> paths) {
   // A disk handles several syncs at once in little more time than one.
   constexpr std::size_t most_at_once = 8;
   for_each_in_parallel(paths.size(), most_at_once, [&](std::size_t k, std::size_t) {
-    File(with_suffix(paths[k], temporary_suffix), FileMode::modify).sync();
+    const fs::path staged = with_suffix(paths[k], temporary_suffix);
+    const int descriptor = open_retried(staged, O_RDWR | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) fail("cannot open", staged);
+    const int result = ::fsync(descriptor), code = errno;
+    ::close(descriptor);
+    if (result == 0) return;
+    errno = code;
+    fail("cannot write to disk", staged);
   });
   for (const fs::path& path : paths) rename_over(with_suffix(path, temporary_suffix), path);
   sync_folder(folder);

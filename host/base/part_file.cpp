@@ -32,7 +32,10 @@ fs::path kept_form(const fs::path& path) {
 // Opens PATH.part. If it already has its final name, it is renamed back first.
 File reopen(const fs::path& path) {
   const fs::path part = with_suffix(path, part_suffix);
-  if (const fs::path kept = kept_form(path); kept != part) rename_over(kept, part);
+  if (const fs::path kept = kept_form(path); kept != part) {
+    (void)File(kept, FileMode::modify);  // what is refused keeps its name
+    rename_over(kept, part);
+  }
   return File(part, FileMode::modify);
 }
 

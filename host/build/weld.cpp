@@ -59,11 +59,10 @@ struct CellEntry {
 // Finds nearby vertices through a grid kept as a sorted list.
 class NearbyVertices {
  public:
-  // Those vertices that are their own `first`.
+  // Those vertices that are their own `first`. The grid begins at `low`.
   NearbyVertices(const std::vector<Vector3d>& vertices, const std::vector<std::uint32_t>& first,
-                 double tolerance)
-      : vertices_(vertices), tolerance_(tolerance), low_(vertices[0]) {
-    for (const Vector3d& p : vertices) low_ = low_.cwiseMin(p);
+                 const Vector3d& low, double tolerance)
+      : vertices_(vertices), tolerance_(tolerance), low_(low) {
     for (std::uint32_t i = 0; i < vertices.size(); ++i)
       if (first[i] == i) entries_.push_back({cell_of(vertices[i]), i});
     std::sort(entries_.begin(), entries_.end());
@@ -88,7 +87,9 @@ class NearbyVertices {
  private:
   Cell cell_of(const Vector3d& p) const {
     const double width = tolerance_ > 0.0 ? tolerance_ * cell_in_tolerances : 1.0;
-    const Vector3d cell = (p - low_) / width;
+    // Where cells have no numbers any more, the last one has all vertices.
+    constexpr double last = 4e18;
+    const Vector3d cell = ((p - low_) / width).cwiseMin(last).cwiseMax(-last);
     return {static_cast<std::int64_t>(std::floor(cell[0])), static_cast<std::int64_t>(std::floor(cell[1])),
             static_cast<std::int64_t>(std::floor(cell[2]))};
   }
@@ -99,15 +100,12 @@ class NearbyVertices {
   std::vector<CellEntry> entries_;
 };
 
-// Of the triangles: a vertex that belongs to none may lie anywhere. Not so small that cells cannot be
-// numbered.
-double weld_distance(const SurfaceMesh& surface) {
-  constexpr double least_of_all = 1e-15;
-  Eigen::AlignedBox3d of_triangles, of_all;
+// A vertex that belongs to no triangle may lie anywhere.
+Eigen::AlignedBox3d box_of_triangles(const SurfaceMesh& surface) {
+  Eigen::AlignedBox3d box;
   for (const auto& triangle : surface.triangles)
-    for (const std::uint32_t corner : triangle) of_triangles.extend(surface.vertices[corner]);
-  for (const Vector3d& p : surface.vertices) of_all.extend(p);
-  return std::max(weld_of_diagonal * of_triangles.diagonal().norm(), least_of_all * of_all.diagonal().norm());
+    for (const std::uint32_t corner : triangle) box.extend(surface.vertices[corner]);
+  return box;
 }
 
 // For each vertex the lowest one at exactly its place.
@@ -129,7 +127,8 @@ std::vector<std::uint32_t> firsts_at_places(const std::vector<Vector3d>& vertice
 std::vector<std::uint32_t> representatives(const SurfaceMesh& surface) {
   // Any number of vertices may lie in one place: only the first of them is compared with others.
   const std::vector<std::uint32_t> first = firsts_at_places(surface.vertices);
-  const NearbyVertices nearby(surface.vertices, first, weld_distance(surface));
+  const Eigen::AlignedBox3d box = box_of_triangles(surface);
+  const NearbyVertices nearby(surface.vertices, first, box.min(), weld_of_diagonal * box.diagonal().norm());
   std::vector<std::uint32_t> same(surface.vertices.size());
   for (std::uint32_t i = 0; i < same.size(); ++i) {
     if (first[i] != i) {

@@ -271,7 +271,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   PreparedBake& prepared = *made;
   if (prepared.is_undecided) {
-    log.warning("interrupted while trying contact; the same command starts again");
+    log.warning("interrupted before the first frame; the same command starts again");
     return ExitCode::interrupted;
   }
   if (arguments.dry_run) {

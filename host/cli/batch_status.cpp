@@ -259,7 +259,12 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
   for (const JobState& job : jobs) lines.emplace_back(job.row.job, job.text);
   const std::string report = count_line(plan.output, jobs) + "\n" + columns_text(lines);
   // Whoever reads the output may have gone: printing may end the program.
-  if (arguments.merge) merge_jobs(arguments, plan, jobs, report, log);
+  try {
+    if (arguments.merge) merge_jobs(arguments, plan, jobs, report, log);
+  } catch (...) {
+    std::cout << report;
+    throw;
+  }
   std::cout << report;
   return code_of(jobs);
 }

@@ -113,8 +113,13 @@ class Batch {
     log_.clear_bar();
     if (!interrupted) log_.share(1.0);
     // Whoever reads the output may have gone: printing may end the program.
-    if (!asked_.is_part) write_summary();
-    print_results();
+    try {
+      if (!asked_.is_part) write_summary();
+    } catch (...) {
+      print_results(false);
+      throw;
+    }
+    print_results(!asked_.is_part);
     return code(interrupted);
   }
 
@@ -455,7 +460,7 @@ class Batch {
     }
   }
 
-  void print_results() const {
+  void print_results(bool has_summary) const {
     std::vector<std::pair<std::string, std::string>> rows;
     for (std::size_t k = 0; k < outcomes_.size(); ++k) {
       const Outcome& outcome = outcomes_[k];
@@ -465,7 +470,7 @@ class Batch {
       rows.emplace_back(asked_.bakes[k].name, text);
     }
     std::cout << columns_text(rows);
-    if (!asked_.is_part) std::cout << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
+    if (has_summary) std::cout << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
   }
 
   // If nothing is left to do, the status of the first failure, since the others may follow from it. An

@@ -41,7 +41,7 @@ struct PreparedBake {
   // If the estimate comes near the limit or exceeds it; else of the last trial of contact, if there was one.
   std::optional<bake::TriedLook> tried;
   std::string contact_left_out = {};  // BakeOptions::contact_left_out
-  bool is_undecided = false;          // the trial of contact was interrupted: run_bake does nothing
+  bool is_undecided = false;          // interrupted before all was decided: run_bake does nothing
   std::vector<std::string> warnings;  // for the manifest; already shown
   Simulation simulation;
   std::size_t devices_tried = 0;  // of the request's; the simulation uses the last of them

@@ -36,7 +36,6 @@ double largest_extent(const std::vector<Vector3d>& points) {
   return (high - low).maxCoeff();
 }
 
-// Longest side in metres; 1 if empty.
 // The vertices of the triangles. Files also have vertices that belong to none, which may lie anywhere.
 std::vector<Vector3d> corners_of(const mesh::SurfaceMesh& surface) {
   std::vector<char> is_used(surface.vertices.size(), surface.triangles.empty() ? 1 : 0);
@@ -49,6 +48,7 @@ std::vector<Vector3d> corners_of(const mesh::SurfaceMesh& surface) {
   return corners;
 }
 
+// Longest side in metres; 1 if empty.
 double size_of(const std::vector<Vector3d>& points) {
   const double extent = largest_extent(points);
   return extent > 0.0 ? extent : 1.0;

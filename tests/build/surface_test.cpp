@@ -51,16 +51,21 @@ TEST(Weld, JoinsWithinABillionthOfTheDiagonalOnly) {
 // Exporters leave vertices behind that no triangle uses: they neither coarsen the weld nor merge with others,
 // even if they are very far away.
 TEST(Weld, LooseVerticesDecideNothing) {
-  for (const double away : {30.0, 1e8, 1e12}) {
+  // Vertex 8 is used and 8e-9 from vertex 0, twice the distance within which vertices are welded.
+  for (const double away : {0.0, 30.0, 1e8, 1e12, 1e90}) {
     SurfaceMesh cube = cube_surface(2.0);
+    cube.vertices.push_back(cube.vertices[0] + Vector3d(-8e-9, 0, 0));
+    for (std::uint32_t& corner : cube.triangles[0])
+      if (corner == 0) corner = 8;
+    const std::vector<Vector3d> used = cube.vertices;
     cube.vertices.emplace_back(away, 0.0, 0.0);
     build::Report report;
     const build::WeldedSurface welded = build::weld(cube, "test", report);
-    EXPECT_EQ(welded.surface.vertices, cube_surface(2.0).vertices) << away;
+    EXPECT_EQ(welded.surface.vertices, used) << away;
   }
 }
 
-// Thousands of loose vertices in one place are one vertex, the first.
+// Thousands of vertices in one place are one vertex, the first.
 TEST(Weld, ManyVerticesMayLieInOnePlace) {
   SurfaceMesh cube = cube_surface(2.0);
   cube.vertices.resize(200'008, cube.vertices[7]);

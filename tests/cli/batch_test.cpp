@@ -48,17 +48,28 @@ void expect_what_bake_makes(const TemporaryFolder& folder) {
   }
 }
 
-// Whoever reads the results may go, as `head` does: that may end the program, but loses nothing.
+// Whoever reads the results may go, as `head` does: that may end the program, but loses nothing. They are
+// more than a stream holds back until the program ends.
 TEST(Batch, ResultsAreWrittenBeforeTheyArePrinted) {
+  constexpr std::size_t count = 32;
   const TemporaryFolder folder;
-  const std::string list = list_in(folder, three_bars);
-  const std::string piped = std::string(FASCICLE_PROGRAM) + " batch " + list + " -q --device cpu | true";
-  ASSERT_EQ(std::system(piped.c_str()), 0);
+  std::string text;
+  for (std::size_t k = 0; k < count; ++k)
+    text += "[job." + std::string(90, 'n') + std::to_string(k) +
+            "]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.05\"]\n";
+  const std::string list = list_in(folder, text);
+  const auto run_into_a_closed_pipe = [&](const std::string& command) {
+    const std::string piped = "{ sleep 1; " + std::string(FASCICLE_PROGRAM) + " batch " + command +
+                              "; echo $? > " + (folder / "status") + "; } 2> /dev/null | true";
+    ASSERT_EQ(std::system(piped.c_str()), 0);
+    EXPECT_EQ(read_text(folder / "status"), "141\n");  // the control: it was ended by SIGPIPE
+  };
+  run_into_a_closed_pipe(list + " -q --device cpu");
+  ASSERT_EQ(summary_of(folder).size(), count);
   for (const json& row : summary_of(folder)) EXPECT_EQ(row.at("status"), "done");
-  fs::remove(folder / "out/batch.json");
-  const std::string merged = std::string(FASCICLE_PROGRAM) + " batch status " + list + " --merge | sleep 0";
-  ASSERT_EQ(std::system(merged.c_str()), 0);
-  EXPECT_EQ(summary_of(folder).size(), 3u);
+  std::filesystem::remove(folder / "out/batch.json");
+  run_into_a_closed_pipe("status " + list + " --merge");
+  EXPECT_EQ(summary_of(folder).size(), count);
 }
 
 TEST(Batch, MakesWhatBakeMakesOnSeveralDevices) {
