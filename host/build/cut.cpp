@@ -104,10 +104,12 @@ class Sites {
       if (choose(cage.vertices[v], near[v], limbs, of_vertex_[v]) <= 0.0) continue;
       // In front of all nearby skin: outside, or in a limb whose own skin is farther away than the skin of a
       // crossing limb.
-      std::vector<std::uint32_t> wide;
+      std::vector<std::uint32_t> around, wide;
       for (const std::uint32_t i : star[v])
-        for (const std::uint32_t other : cage.tetrahedra[i])
-          wide.insert(wide.end(), near[other].begin(), near[other].end());
+        around.insert(around.end(), cage.tetrahedra[i].begin(), cage.tetrahedra[i].end());
+      sort_out(around);
+      for (const std::uint32_t other : around)
+        wide.insert(wide.end(), near[other].begin(), near[other].end());
       sort_out(wide);
       choose(cage.vertices[v], wide, limbs, of_vertex_[v]);
     }
@@ -130,9 +132,9 @@ class Sites {
   }
 
  private:
-  static void sort_out(std::vector<std::uint32_t>& triangles) {
-    std::sort(triangles.begin(), triangles.end());
-    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  static void sort_out(std::vector<std::uint32_t>& numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   }
 
   // Finds the place among the triangles; returns its signed distance.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <queue>
 #include <utility>
@@ -107,10 +108,25 @@ bool Limbs::are_within_reach(std::span<const std::uint32_t> a, std::span<const s
   return false;
 }
 
-bool Limbs::has_stranger(std::span<const std::uint32_t> triangles, const std::vector<Share>& shares) const {
-  return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
-    return in_common(shares_of(std::array{t}), shares) < separation_.in_common;
-  });
+Limbs::Kind Limbs::kind_of(std::span<const std::uint32_t> triangles) const {
+  Kind kind{shares_of(triangles), {}};
+  for (const std::uint32_t t : triangles) kind.each.push_back(shares_of(std::array{t}));
+  std::sort(kind.each.begin(), kind.each.end());
+  kind.each.erase(std::unique(kind.each.begin(), kind.each.end()), kind.each.end());
+  return kind;
+}
+
+std::uint32_t Limbs::part_of(std::span<const std::uint32_t> triangles) const {
+  return part_[skin_.triangles[triangles[0]][0]];
+}
+
+bool Limbs::are_strangers(const Kind& a, const Kind& b) const {
+  const auto has_stranger = [&](const Kind& of, const Kind& to) {
+    return std::any_of(of.each.begin(), of.each.end(), [&](const std::vector<Share>& shares) {
+      return in_common(shares, to.mean) < separation_.in_common;
+    });
+  };
+  return has_stranger(a, b) || has_stranger(b, a);
 }
 
 bool Limbs::do_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
@@ -119,15 +135,60 @@ bool Limbs::do_part(std::span<const std::uint32_t> a, std::span<const std::uint3
          });
 }
 
-bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
-  if (weights_.offset.empty()) return false;
-  const std::vector<Share> of_a = shares_of(a), of_b = shares_of(b);
-  const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
-  const bool are_strangers = has_stranger(a, of_b) || has_stranger(b, of_a);
-  if (!is_one_part) return are_strangers && !are_kin(of_a, of_b);
+bool Limbs::are_apart_as_parts(const Kind& a, const Kind& b) const {
+  return are_strangers(a, b) && !are_kin(a.mean, b.mean);
+}
+
+bool Limbs::are_apart_in_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
+                              bool are_strangers) const {
+  if (!are_strangers && partings_ == nullptr) return false;
   // Clips last: they cost the most, and most adjacent skin is within reach.
   return !are_within_reach(a, b) && (are_strangers || do_part(a, b));
 }
+
+bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
+  if (weights_.offset.empty()) return false;
+  const Kind of_a = kind_of(a), of_b = kind_of(b);
+  if (part_of(a) != part_of(b)) return are_apart_as_parts(of_a, of_b);
+  return are_apart_in_part(a, b, are_strangers(of_a, of_b));
+}
+
+// The patches of one limb. Hair may be thousands of parts with the same weights: parts are compared kind by
+// kind, and only patches of one part each with each.
+class Limbs::Group {
+ public:
+  bool is_apart_from(const Limbs& limbs, const std::vector<Kind>& kinds, const Patch& patch) const {
+    for (const auto& [kind, part] : parts_)
+      if (part != patch.part && limbs.are_apart_as_parts(kinds[kind], kinds[patch.kind])) return true;
+    const auto same = members_.find(patch.part);
+    if (same == members_.end()) return false;
+    return std::any_of(same->second.begin(), same->second.end(), [&](const Patch* member) {
+      return limbs.are_apart_in_part(member->triangles, patch.triangles,
+                                     limbs.are_strangers(kinds[member->kind], kinds[patch.kind]));
+    });
+  }
+
+  void add(const Patch& patch) {
+    const auto [place, is_new] = parts_.emplace(patch.kind, patch.part);
+    if (!is_new && place->second != patch.part) place->second = of_several;
+    members_[patch.part].push_back(&patch);
+  }
+
+  std::vector<std::uint32_t> triangles() const {
+    std::vector<std::uint32_t> all;
+    for (const auto& [part, members] : members_)
+      for (const Patch* member : members)
+        all.insert(all.end(), member->triangles.begin(), member->triangles.end());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+ private:
+  static constexpr std::uint32_t of_several = std::numeric_limits<std::uint32_t>::max();
+
+  std::map<std::uint32_t, std::uint32_t> parts_;                // kind, the part of its patches or of_several
+  std::map<std::uint32_t, std::vector<const Patch*>> members_;  // by part
+};
 
 std::vector<std::vector<std::uint32_t>> Limbs::groups_of(std::span<const std::uint32_t> triangles) const {
   std::vector<std::vector<std::uint32_t>> groups;
@@ -143,27 +204,29 @@ std::vector<std::vector<std::uint32_t>> Limbs::groups_of(std::span<const std::ui
 
   std::map<std::uint32_t, std::vector<std::uint32_t>> found;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) found[patches.find(i)].push_back(triangles[i]);
-  std::vector<std::vector<std::uint32_t>> patch;
-  for (auto& [first, members] : found) patch.push_back(std::move(members));
-  std::stable_sort(patch.begin(), patch.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  std::vector<std::vector<std::size_t>> group;  // of patches
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const auto home = std::find_if(group.begin(), group.end(), [&](const std::vector<std::size_t>& members) {
-      return std::none_of(members.begin(), members.end(),
-                          [&](std::size_t k) { return are_apart(patch[k], patch[i]); });
+  if (found.size() == 1) {
+    std::sort(found.begin()->second.begin(), found.begin()->second.end());
+    return {std::move(found.begin()->second)};
+  }
+  std::vector<Patch> all_patches;
+  std::map<Kind, std::uint32_t> number;
+  for (auto& [first, members] : found) {
+    const auto [kind, is_new] = number.emplace(kind_of(members), static_cast<std::uint32_t>(number.size()));
+    const std::uint32_t part = part_of(members);
+    all_patches.push_back({std::move(members), part, kind->second});
+  }
+  std::vector<Kind> kinds(number.size());
+  for (const auto& [kind, k] : number) kinds[k] = kind;
+  std::stable_sort(all_patches.begin(), all_patches.end(),
+                   [](const Patch& a, const Patch& b) { return a.triangles.size() > b.triangles.size(); });
+  std::vector<Group> limbs;
+  for (const Patch& patch : all_patches) {
+    const auto home = std::find_if(limbs.begin(), limbs.end(), [&](const Group& limb) {
+      return !limb.is_apart_from(*this, kinds, patch);
     });
-    if (home == group.end())
-      group.push_back({i});
-    else
-      home->push_back(i);
+    (home == limbs.end() ? limbs.emplace_back() : *home).add(patch);
   }
-  for (const auto& members : group) {
-    std::vector<std::uint32_t> all;
-    for (const std::size_t k : members) all.insert(all.end(), patch[k].begin(), patch[k].end());
-    std::sort(all.begin(), all.end());
-    groups.push_back(std::move(all));
-  }
+  for (const Group& limb : limbs) groups.push_back(limb.triangles());
   std::sort(groups.begin(), groups.end());
   return groups;
 }

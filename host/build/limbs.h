@@ -2,6 +2,7 @@
 // thighs, an arm and the chest, two fingers.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,14 +46,37 @@ class Limbs {
   struct Share {
     std::uint32_t joint;
     double weight;
+
+    auto operator<=>(const Share&) const = default;
   };
+  // The weights of a set of triangles: their mean, and those of each that differ.
+  struct Kind {
+    std::vector<Share> mean;
+    std::vector<std::vector<Share>> each;  // ascending
+
+    auto operator<=>(const Kind&) const = default;
+  };
+  // A set of triangles to compare with many others.
+  struct Patch {
+    std::vector<std::uint32_t> triangles;
+    std::uint32_t part;  // of the skin, which has a path to all of itself
+    std::uint32_t kind;
+  };
+  class Group;
+
+  Kind kind_of(std::span<const std::uint32_t> triangles) const;
+  std::uint32_t part_of(std::span<const std::uint32_t> triangles) const;
   std::vector<Share> shares_of(std::span<const std::uint32_t> triangles) const;
   static double in_common(const std::vector<Share>& a, const std::vector<Share>& b);
-  // Whether any of the triangles overlaps the shares by less than the separation requires.
-  bool has_stranger(std::span<const std::uint32_t> triangles, const std::vector<Share>& shares) const;
+  // Whether any triangle of one overlaps the mean of the other by less than the separation requires.
+  bool are_strangers(const Kind& a, const Kind& b) const;
   bool are_kin(const std::vector<Share>& a, const std::vector<Share>& b) const;
   // Whether the path along edges from one set of triangles to the other is at most the separation's distance.
   bool are_within_reach(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
+  // are_apart of two sets of one part of the skin, and of two parts.
+  bool are_apart_in_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
+                         bool are_strangers) const;
+  bool are_apart_as_parts(const Kind& a, const Kind& b) const;
 
   // Whether any triangle of one set touches one of the other, within the same part of the skin, and parts
   // from it in a clip.
