@@ -27,7 +27,7 @@ TARGETS = {
     "medit": "MEDIT `.mesh`", "tetgen": "TetGen `.node` and `.ele`", "gmsh": "Gmsh `.msh`", "vtu": "VTK `.vtu`",
     "off": "`.off`", "obj": "`.obj`", "ply": "`.ply`", "stl": "`.stl`",
     "gltf": "`.glb`, `.gltf`: character, rig, looks, documents handed on",
-    "exports": "a bake's `character.glb`: all that exports and bakes make of it",
+    "exports": "a bake's `character.glb`: one thing that an export or a bake makes of it, by the first byte",
     "picture": "PNG and JPEG of textures",
     "scene": "scene files", "set": "values of `--set`", "jobs": "lists of jobs", "paint": "paint files",
     "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",

@@ -1,3 +1,7 @@
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+
 #include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/formats/character_file.h"
@@ -73,9 +77,36 @@ bool write_glb(const formats::BakeInfo& info, const model::Frame& initial) {
   return true;
 }
 
+// One way to use what `fascicle export` reads.
+using Export = std::function<bool(formats::BakeInfo, const model::Frame&)>;
+
+std::vector<Export> all_exports() {
+  std::vector<Export> all{[](const formats::BakeInfo& info, const model::Frame&) {
+    return is_taken<base::SceneError, base::BakeError>([&] {
+      formats::write_textures(info.folder, *info.objects);
+      const formats::SkinnedSurface skinned(info.character, *info.model, fps);
+      for (std::uint64_t k = 0; k <= frames; ++k) (void)skinned.positions(k);
+    });
+  }};
+  for (const formats::Format& format : formats::named_formats()) {
+    // Tetrahedra have no looks.
+    if (format.name == "vtu") continue;
+    all.push_back([&format](const formats::BakeInfo& info, const model::Frame& initial) {
+      return write_format(format, info, initial);
+    });
+  }
+  for (const auto& glb : {formats::GlbOptions{.stride = 2, .error = {}, .tolerance = {}, .compress = {}},
+                          formats::GlbOptions{.stride = 1, .error = 0.1, .tolerance = {}, .compress = 0.01}})
+    all.push_back([glb](formats::BakeInfo info, const model::Frame& initial) {
+      info.glb = glb;
+      return write_glb(info, initial);
+    });
+  return all;
+}
+
 // `fascicle export` of a bake with this character.glb.
-bool export_bake(const fs::path& kept, const fs::path& folder, const model::Model& body) {
-  const model::Frame initial = frame_of(body, 0);
+bool export_bake(const Export& write, const fs::path& kept, const fs::path& folder,
+                 const model::Model& body) {
   formats::BakeInfo info{.model = &body,
                          .folder = folder,
                          .scene_name = "a",
@@ -83,28 +114,18 @@ bool export_bake(const fs::path& kept, const fs::path& folder, const model::Mode
                          .frames = frames,
                          .character = kept,
                          .usd_skel = true};
-  bool are_written = is_taken<base::SceneError, base::BakeError>([&] {
+  const bool is_read = is_taken<base::SceneError, base::BakeError>([&] {
     info.objects = std::make_shared<const formats::SurfaceObjects>(formats::read_surface_objects(body, kept));
-    formats::write_textures(folder, *info.objects);
-    const formats::SkinnedSurface skinned(kept, body, fps);
-    for (std::uint64_t k = 0; k <= frames; ++k) (void)skinned.positions(k);
   });
-  if (!info.objects) return false;
-  for (const formats::Format& format : formats::named_formats()) {
-    // Tetrahedra have no looks.
-    if (format.name == "vtu") continue;
-    are_written = write_format(format, info, initial) && are_written;
-  }
-  info.glb = {.stride = 2, .error = {}, .tolerance = {}, .compress = {}};
-  are_written = write_glb(info, initial) && are_written;
-  info.glb = {.stride = 1, .error = 0.1, .tolerance = {}, .compress = 0.01};
-  return write_glb(info, initial) && are_written;
+  return is_read && write(info, frame_of(body, 0));
 }
 
-// The character.glb that a bake of this file writes, and the file with paint.
-bool write_characters(const OneFile& file, const fs::path& folder, rig::Character character,
-                      const model::Model& body) {
-  return is_taken<base::SceneError, base::BakeError>([&] {
+// Writes the character.glb that a bake of this file writes, and exports it. Of that, the file's bytes may be
+// anywhere.
+bool export_new_bake(const Export& write, const OneFile& file, const fs::path& folder,
+                     const rig::Character& character, const model::Model& body) {
+  const fs::path made = file.folder() / "made.glb";
+  const bool is_made = is_taken<base::SceneError, base::BakeError>([&] {
     std::vector<std::string> missing;
     scene::Scene scene;
     scene.geometry = character;
@@ -112,16 +133,22 @@ bool write_characters(const OneFile& file, const fs::path& folder, rig::Characte
     scene.fps = fps;
     scene.end = static_cast<double>(frames) / fps;
     scene.input_hashes = {{file.path(), "0"}};
-    const fs::path made = file.folder() / "made.glb";
     const auto time = [](std::uint64_t k) { return static_cast<double>(k) / fps; };
     base::write_whole(made, formats::character_glb(scene, body, time, missing));
-    if (!export_bake(made, folder, body)) throw base::BakeError("a new bake is not exported");
+  });
+  return is_made && export_bake(write, made, folder, body);
+}
 
+// The file with paint.
+bool write_painted(const OneFile& file, rig::Character character) {
+  return is_taken<base::SceneError, base::BakeError>([&] {
     rig::Paint paint;
     paint.surface = rig::surface_hash(character.surface);
     paint.vertices = character.surface.vertices.size();
     paint.attributes = {{"_RIGID", {0}, {1.0f}}, {"_FIBER", {1}, {0.6f, 0.8f, 0.0f}}};
     rig::lay_over(paint, character);
+    std::vector<std::string> missing;
+    const fs::path made = file.folder() / "made.glb";
     base::write_whole(made, formats::painted_glb(file.path(), character, paint, missing));
     (void)fascicle::gltf::read_gltf(made);
   });
@@ -132,13 +159,20 @@ bool write_characters(const OneFile& file, const fs::path& folder, rig::Characte
 bool exports(std::string_view bytes) {
   static const OneFile file(formats::character_name);
   static const base::TemporaryFolder exported;
-  file.write(bytes);
+  static const std::vector<Export> all = all_exports();
+  if (all.size() > most_exports) throw std::logic_error("no seed has the last export");
+  if (bytes.empty()) return false;
+  const auto way = static_cast<unsigned char>(bytes[0]);
+  const Export& write = all[way / 3 % all.size()];
+  file.write(bytes.substr(1));
   rig::Character character;
   if (!is_taken<base::SceneError>([&] { character = fascicle::gltf::read_gltf(file.path()); })) return false;
   const model::Model body = body_of(character);
-  // As a stranger's bake, and as a character to bake. Of that, the bytes may be anywhere.
-  (void)export_bake(file.path(), exported.path(), body);
-  return write_characters(file, exported.path(), std::move(character), body);
+  const fs::path& folder = exported.path();
+  // As a stranger's bake, and as a character to bake.
+  if (way % 3 == 0) return export_bake(write, file.path(), folder, body);
+  if (way % 3 == 1) return export_new_bake(write, file, folder, character, body);
+  return write_painted(file, std::move(character));
 }
 
 }  // namespace fascicle::fuzz

@@ -20,7 +20,9 @@ bool obj(std::string_view bytes);
 bool ply(std::string_view bytes);
 bool stl(std::string_view bytes);
 bool gltf(std::string_view bytes);  // .glb or .gltf: character, rig, looks, and the document for output files
-bool exports(std::string_view bytes);  // a bake's character.glb: all that exports and bakes make of it
+// A byte, and a bake's character.glb: one thing that an export or a bake makes of it, as the byte says. All
+// of them would take ten times as long.
+bool exports(std::string_view bytes);
 bool picture(std::string_view bytes);  // a texture: PNG or JPEG
 bool scene(std::string_view bytes);
 bool set(std::string_view bytes);   // a value of --set
@@ -55,6 +57,9 @@ bool session(std::string_view bytes);
 bool planted(std::string_view bytes);
 // The control for replaced numbers: throws for "length 1e300".
 bool planted_number(std::string_view bytes);
+
+// At least the number of exports: as many seeds have each another one.
+inline constexpr unsigned most_exports = 12;
 
 struct Reader {
   std::string name;

@@ -3,6 +3,7 @@
 #include "host/render/jpeg.h"
 #include "host/render/looks.h"
 #include "host/render/png.h"
+#include "tests/fuzz/readers.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/gltf/compressed_builder.h"
 
@@ -52,10 +53,20 @@ void add_gltf_seeds(std::vector<Seed>& seeds) {
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
     seeds.push_back(
         {"gltf", "draco-" + std::to_string(method) + ".glb", text_of(tests::with_draco(method).glb())});
-  // A character with a motion and looks is one for exports, too.
-  const std::size_t count = seeds.size();
-  for (std::size_t k = 0; k < count; ++k)
-    if (seeds[k].reader == "gltf") seeds.push_back({"exports", seeds[k].name, seeds[k].bytes});
+  // A character with a motion and looks is one for exports, too. A bake's own is neither compressed nor text.
+  std::vector<Seed> characters, own;
+  for (const Seed& seed : seeds) {
+    if (seed.reader != "gltf") continue;
+    characters.push_back(seed);
+    if (seed.name == "column.glb" || seed.name == "shapes.glb" || seed.name == "painted.glb")
+      own.push_back(seed);
+  }
+  for (unsigned way = 0; way < 3 * most_exports; ++way) {
+    const std::vector<Seed>& of_way = way % 3 == 0 ? own : characters;
+    const Seed& character = of_way[way / 3 % of_way.size()];
+    seeds.push_back(
+        {"exports", std::to_string(way) + "-" + character.name, static_cast<char>(way) + character.bytes});
+  }
   render::Texels image{4, 3, {}};
   for (std::size_t k = 0; k < 48; ++k) image.values.push_back(static_cast<std::uint8_t>(17 * k));
   seeds.push_back({"picture", "png", render::encode_png(image)});
