@@ -134,6 +134,10 @@ case $command in
     readers release
     web_tools release
     build release -DFASCICLE_TESTS=ON
+    # Tests sync thousands of small files. In memory, those of bakes take a quarter of the time.
+    if [ -z "${TMPDIR:-}" ] && [ "$(df -k --output=avail /dev/shm 2>/dev/null | tail -n 1)" -gt 6000000 ] 2>/dev/null; then
+      export TMPDIR=/dev/shm
+    fi
     # One more than there are cores: some tests wait for a time limit or for another process.
     exec ctest --preset release --output-on-failure -j "$(($(nproc) + 1))" "$@"
     ;;
