@@ -89,7 +89,7 @@ Body body_of_one(const rig::Character& character, const scene::Scene& scene, boo
       take(fill_body({scene, soft.character.surface, soft.welded, body.bones, &soft.character}, report,
                      options),
            body);
-    add_rigid_parts(character, welded, weights, rigid, soft, body);
+    add_rigid_parts(character, welded, rigid, soft, body);
   }
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
   body.painted = character.painted;

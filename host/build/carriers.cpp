@@ -111,11 +111,13 @@ Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, dou
   return riders;
 }
 
-Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, Sharing sharing) {
-  Riders riders = riders_of(weights, rides, 0.0);
-  for (double steps = most_steps;
-       sharing == Sharing::alike && riders.size() > most_carriers && steps >= least_steps; steps /= 2.0)
+// More than most_carriers only if even the coarsest steps make them.
+Riders coarser_riders_of(const SkinWeights& weights, const std::vector<char>& rides) {
+  Riders riders;
+  for (double steps = most_steps; steps >= least_steps; steps /= 2.0) {
     riders = riders_of(weights, rides, steps);
+    if (riders.size() <= most_carriers) break;
+  }
   return riders;
 }
 
@@ -125,14 +127,18 @@ void seat_on_carriers(const WeldedSurface& welded, const SkinWeights& weights, c
                       Sharing sharing, Body& body) {
   const BoundingBox all = box_around(welded.surface.vertices);
   std::vector<std::array<std::uint32_t, 4>> corners(rides.size());
-  for (const auto& [row, vertices] : riders_of(weights, rides, sharing)) {
+  Riders riders = riders_of(weights, rides, 0.0);
+  const bool are_many = riders.size() > most_carriers;
+  if (are_many) riders = coarser_riders_of(weights, rides);
+  for (const auto& [row, vertices] : riders) {
     std::vector<Vector3d> points;
     for (const std::uint32_t v : vertices) points.push_back(welded.surface.vertices[v]);
     const BoundingBox box = box_around(points);
     const double side = std::max(carrier_of_extent * (box.high - box.low).norm(),
                                  smallest_of_diagonal * (all.high - all.low).norm());
-    const auto carrier = add_carrier((box.low + box.high) / 2.0, side,
-                                     sharing == Sharing::exact ? row : mean_row(weights, vertices), body);
+    const auto carrier =
+        add_carrier((box.low + box.high) / 2.0, side,
+                    sharing == Sharing::exact && !are_many ? row : mean_row(weights, vertices), body);
     for (const std::uint32_t v : vertices) corners[v] = carrier;
   }
   for (std::size_t k = 0; k < welded.of_vertex.size(); ++k) {

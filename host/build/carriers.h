@@ -18,10 +18,11 @@ namespace fascicle::build {
 using WeightRow = std::vector<std::pair<std::uint32_t, double>>;
 WeightRow weight_row(const SkinWeights& weights, std::uint32_t vertex);
 
-// Which riders share a carrier: those with exactly the same weights; or, if that makes more than 3,000
-// carriers, those with similar weights, whose carrier moves by their mean. Weights are similar if they are
-// equal when rounded to a 64th, or more coarsely as needed, down to an eighth. Faces and hands have thousands
-// of rows of weights, and a carrier has four vertices.
+// Riders with exactly the same weights share a carrier; or, if that makes more than 3,000 carriers, those
+// with similar weights, whose carrier moves by their mean. Weights are similar if they are equal when rounded
+// to a 64th, or more coarsely as needed, down to an eighth. Faces and hands have thousands of rows of
+// weights, and a carrier has four vertices. `exact` carriers move by their riders' weights as they are,
+// `alike` ones by weights that were divided by their sum; beyond 3,000 carriers all do.
 enum class Sharing { exact, alike };
 
 // Places the render vertices of the welded vertices marked in `rides` on carriers. `weights` are those of the

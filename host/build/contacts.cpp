@@ -289,8 +289,9 @@ class GapSearch {
   };
 
   // Vertices nearer to `from` than the reach for which the path along the flesh's edges is at least
-  // gap_detour times the reach; ascending.
-  std::vector<std::uint32_t> across_from(std::uint32_t from, Walk& walk) const {
+  // gap_detour times the reach; ascending. As runs: where many parts lie in one place, the vertices
+  // themselves would take memory by the square of their number.
+  std::vector<shader::VertexRun> across_from(std::uint32_t from, Walk& walk) const {
     walk.way.resize(rest_.size(), std::numeric_limits<double>::infinity());
     walk.is_asked.resize(rest_.size(), 0);
     std::vector<std::uint32_t> asked;
@@ -311,7 +312,9 @@ class GapSearch {
     for (const std::uint32_t i : walk.touched) walk.way[i] = std::numeric_limits<double>::infinity();
     walk.touched.clear();
     std::sort(across.begin(), across.end());
-    return across;
+    std::vector<shader::VertexRun> runs;
+    model::append_runs(across, runs);
+    return runs;
   }
 
  private:
@@ -357,13 +360,14 @@ class RestOverlap {
   RestOverlap(const Model& model, const std::vector<Vector3d>& rest)
       : model_(model), rest_(rest), tree_(boxes_of(model, rest)) {}
 
-  double depth(std::uint32_t p, std::span<const std::uint32_t> near) const {
+  // contact_near has the point's list.
+  double depth(std::uint32_t p) const {
     const std::uint32_t vertex = model_.contact[p].vertex;
     std::optional<std::uint32_t> first;
     double depth = 0.0;
     tree_.visit_near(rest_[vertex], 0.0, [&](std::uint32_t t) {
       if ((first && *first < t) || model_.is_ignored_contact(p, t)) return 0.0;
-      if (const std::optional<double> found = depth_in(t, p, near)) {
+      if (const std::optional<double> found = depth_in(t, p)) {
         first = t;
         depth = *found;
       }
@@ -383,9 +387,9 @@ class RestOverlap {
     return boxes;
   }
 
-  std::optional<double> depth_in(std::uint32_t t, std::uint32_t p,
-                                 std::span<const std::uint32_t> near) const {
-    const std::uint32_t vertex = model_.contact[p].vertex;
+  std::optional<double> depth_in(std::uint32_t t, std::uint32_t p) const {
+    const shader::ContactPoint& point = model_.contact[p];
+    const std::uint32_t vertex = point.vertex;
     const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
     Eigen::Matrix3d edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = rest_[corner[k + 1]] - rest_[corner[0]];
@@ -393,7 +397,7 @@ class RestOverlap {
     const std::array<double, 4> weights{1.0 - in_edges.sum(), in_edges[0], in_edges[1], in_edges[2]};
     double depth = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
-      if (weights[k] < 0.0 || !std::binary_search(near.begin(), near.end(), corner[k])) return std::nullopt;
+      if (weights[k] < 0.0 || !model::is_across_a_gap(model_, point, corner[k])) return std::nullopt;
       depth += weights[k] * double{model::contact_depth_of(model_, p, corner[k])};
     }
     return depth;
@@ -407,7 +411,7 @@ class RestOverlap {
 // Each point's list across gaps, and its depth at rest in the flesh there.
 void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) {
   const GapSearch search(model, rest, gap_margins * margin);
-  std::vector<std::vector<std::uint32_t>> near(model.contact.size());
+  std::vector<std::vector<shader::VertexRun>> near(model.contact.size());
   std::vector<GapSearch::Walk> walks(base::thread_count());
   base::for_each_in_parallel(near.size(), walks.size(), [&](std::size_t p, std::size_t worker) {
     near[p] = search.across_from(model.contact[p].vertex, walks[worker]);
@@ -416,10 +420,11 @@ void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) 
   for (std::size_t p = 0; p < near.size(); ++p) {
     shader::ContactPoint& point = model.contact[p];
     point.first_near = static_cast<std::uint32_t>(model.contact_near.size());
-    model::append_runs(near[p], model.contact_near);
-    point.near_count = static_cast<std::uint32_t>(model.contact_near.size()) - point.first_near;
-    if (near[p].empty()) continue;
-    point.allowance = model::as_factor(overlap.depth(static_cast<std::uint32_t>(p), near[p]));
+    point.near_count = static_cast<std::uint32_t>(near[p].size());
+    model.contact_near.insert(model.contact_near.end(), near[p].begin(), near[p].end());
+    near[p] = std::vector<shader::VertexRun>();  // gives its memory back
+    if (point.near_count > 0)
+      point.allowance = model::as_factor(overlap.depth(static_cast<std::uint32_t>(p)));
   }
 }
 

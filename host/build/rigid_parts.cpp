@@ -13,6 +13,7 @@
 #include "host/base/text.h"
 #include "host/build/carriers.h"
 #include "host/build/message.h"
+#include "host/build/skin_weights.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
 #include "host/scene/scene_table.h"
@@ -23,6 +24,8 @@ namespace {
 
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
+// A hard part's weights are all but equal; with more rows than this it moves by their mean.
+constexpr std::size_t most_rows_of_hard = 1000;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
 // Flesh within this many of the body's edges of rigid skin is held.
 constexpr double held_edges = 1.0;
@@ -78,6 +81,14 @@ std::vector<Part> parts_of(const mesh::SurfaceMesh& surface, const std::vector<s
   }
   for (Part& part : parts) weigh(weights, part);
   return parts;
+}
+
+// Whether a part that is moved as a whole follows the mean of its weights.
+bool follows_mean(const SkinWeights& weights, const Part& part) {
+  if (!part.is_hard && !part.is_even) return false;
+  std::set<WeightRow> rows;
+  for (const std::uint32_t v : part.vertices) rows.insert(weight_row(weights, v));
+  return rows.size() > (part.is_hard ? most_rows_of_hard : 1);
 }
 
 std::vector<Part> connected_parts_of(const mesh::SurfaceMesh& surface, const SkinWeights& weights) {
@@ -202,6 +213,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   const bool all_hard = is_robot(parts);
   double whole = 0.0;
   for (const Part& part : parts) whole += part.area;
+  std::vector<SharedRow> shared;
   for (const Part& part : parts) {
     const std::uint32_t joint = part.main_joint();
     const auto every = [](std::uint32_t) { return true; };
@@ -228,7 +240,9 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
     for (const std::uint32_t v : part.vertices) rigid.is_rigid[v] = rigid.is_apart[v] = 1;
+    if (follows_mean(weights, part)) shared.push_back({part.vertices, {part.mean.begin(), part.mean.end()}});
   }
+  rigid.weights = with_shared_rows(weights, shared);
   for (const Part& inlay : inlays_of(character, welded, weights)) {
     const std::uint32_t joint = inlay.main_joint();
     const auto is_rigid = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };
@@ -301,8 +315,8 @@ void hold_flesh(const mesh::SurfaceMesh& surface, const std::vector<char>& is_ri
 
 }  // namespace
 
-void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const SkinWeights& weights,
-                     const RigidSkin& rigid, const SoftSkin& soft, Body& body) {
+void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const RigidSkin& rigid,
+                     const SoftSkin& soft, Body& body) {
   body.holding.assign(body.mesh.vertices.size(), Holding::none);
   hold_flesh(welded.surface, rigid.is_rigid, held_edges * mean_side(body.mesh), body);
   if (body.skin.offset.empty()) body.skin.offset.push_back(0);
@@ -316,7 +330,7 @@ void add_rigid_parts(const rig::Character& character, const WeldedSurface& welde
     render.weights[soft.render_vertex[k]] = body.render.weights[k];
   }
   body.render = std::move(render);
-  seat_on_carriers(welded, weights, rigid.is_rigid, Sharing::exact, body);
+  seat_on_carriers(welded, rigid.weights, rigid.is_rigid, Sharing::exact, body);
 }
 
 }  // namespace fascicle::build

@@ -16,8 +16,10 @@
 // Rigid skin that is connected to no soft skin is left out when the rest is filled. Its vertices, and those
 // of rigid skin within a soft part, ride on carriers. A carrier is a tetrahedron, one for each set of weights
 // among these vertices, that is connected to nothing and moves by these weights alone. Blended bones are a
-// single affine map of space, so a rider keeps its place to rounding. Flesh close to rigid skin is held: it
-// follows the skeleton and cannot poke through.
+// single affine map of space, so a rider keeps its place to rounding. A separate part with an almost uniform
+// blend moves by the mean of its weights: it has one carrier and keeps its shape, whatever noise its weights
+// have. So does a part moved by one joint that has more than 1,000 sets of weights. Flesh close to rigid skin
+// is held: it follows the skeleton and cannot poke through.
 #pragma once
 
 #include <string>
@@ -31,6 +33,7 @@ namespace fascicle::build {
 struct RigidSkin {
   std::vector<char> is_rigid;  // per vertex of the welded skin
   std::vector<char> is_apart;  // per vertex of the welded skin: rigid, and connected to no soft skin
+  SkinWeights weights;  // of the welded skin; a separate part with an almost uniform blend has its mean
   std::vector<RigidReport> report;
 };
 
@@ -48,8 +51,8 @@ SoftSkin without_rigid_parts(const rig::Character& character, const WeldedSurfac
                              const RigidSkin& rigid);
 
 // Adds the carriers to a body that was filled from the soft skin, places all of the character's render
-// vertices and marks the held flesh. `weights` are those of the welded skin.
-void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const SkinWeights& weights,
-                     const RigidSkin& rigid, const SoftSkin& soft, Body& body);
+// vertices and marks the held flesh.
+void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const RigidSkin& rigid,
+                     const SoftSkin& soft, Body& body);
 
 }  // namespace fascicle::build

@@ -167,6 +167,18 @@ SkinWeights welded_skin_weights(const rig::Character& character, std::span<const
   return flattened(surface_influences(character, welded, count));
 }
 
+SkinWeights with_shared_rows(const SkinWeights& weights, std::span<const SharedRow> shared) {
+  if (shared.empty()) return weights;
+  std::vector<Influences> rows = rows_of(weights, weights.offset.size() - 1);
+  for (const SharedRow& of : shared) {
+    Influences row;
+    for (const auto& [joint, w] : of.row) row.push_back({joint, w});
+    finish(row);
+    for (const std::uint32_t v : of.vertices) rows[v] = row;
+  }
+  return flattened(rows);
+}
+
 SkinWeights harmonic_skin_weights(const mesh::TetMesh& mesh, const SkinWeights& given,
                                   std::size_t joint_count, const std::string& source, std::size_t threads) {
   std::vector<Influences> rows = rows_of(given, mesh.vertices.size());

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/base/parallel.h"
 #include "host/build/body.h"
@@ -16,6 +18,15 @@ namespace fascicle::build {
 // are negative, not finite or all 0, and for joints that do not exist.
 SkinWeights welded_skin_weights(const rig::Character& character, std::span<const std::uint32_t> welded,
                                 std::size_t count, const std::string& source);
+
+// Vertices that all have the same weights: joints and what each holds.
+struct SharedRow {
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::pair<std::uint32_t, double>> row;
+};
+
+// `weights`, but with these vertices' shared rows, which are truncated and rounded as below.
+SkinWeights with_shared_rows(const SkinWeights& weights, std::span<const SharedRow> shared);
 
 // The weights of a tetrahedral mesh from those `given` at some of its vertices; the rows of the others are
 // empty or, at the end, missing. The others take, joint by joint, the solution of Laplace's equation. Finite

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -214,6 +215,81 @@ TEST(RigidParts, AnEvenBlendIsRigidAndAnUnevenOneIsNot) {
   rig::Character uneven = character;
   uneven.weights.back() = {0.4, 0.6};
   EXPECT_EQ(count_rigid(scene_of(uneven)), 0u);
+}
+
+// The carriers that a part's vertices ride on, each by its corners.
+std::set<std::array<std::uint32_t, 4>> carriers_of(const model::Model& m, const rig::SurfacePart& part) {
+  std::set<std::array<std::uint32_t, 4>> carriers;
+  for (std::size_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v) {
+    std::array<std::uint32_t, 4> corners{};
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = m.surface_vertex[4 * v + k];
+    carriers.insert(corners);
+  }
+  return carriers;
+}
+
+// Noise in the weights of a helmet: the part moves by their mean, and keeps its shape.
+TEST(RigidParts, AnAlmostEvenBlendMovesAsOne) {
+  Piece horn = plate();
+  horn.weights = {{chest, 0.5}, {pelvis, 0.5}};
+  rig::Character character = trunk_with({horn});
+  const rig::SurfacePart part = character.parts[1];
+  const std::array<double, 8> noise{0.03, -0.01, 0.02, -0.03, 0.01, -0.02, 0.04, -0.04};
+  for (std::size_t k = 0; k < noise.size(); ++k)
+    character.weights[part.first_vertex + k] = {0.5 + noise[k], 0.5 - noise[k]};
+  const scene::Scene scene = scene_of(character);
+  EXPECT_EQ(count_rigid(scene), 8u);
+  const model::Model m = build_with(scene, with_mesher());
+  const auto carriers = carriers_of(m, part);
+  ASSERT_EQ(carriers.size(), 1u);
+  for (const std::uint32_t corner : *carriers.begin()) {
+    float sum = 0.0f;
+    for (std::uint32_t k = m.skin_offset[corner]; k < m.skin_offset[corner + 1]; ++k) sum += m.skin_weight[k];
+    EXPECT_EQ(sum, 1.0f);
+  }
+  for (std::size_t k = 0; k < noise.size(); ++k) character.weights[part.first_vertex + k] = {0.5, 0.5};
+  for (std::uint32_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v)
+    EXPECT_LT(ride_of(m, character, v).error, ride_tolerance) << v;
+}
+
+// Each of a hard part's vertices may have weights of its own, and a carrier each would cost contact the
+// square of their number. They share one, and stay within the hundredth that a hard part may be off.
+TEST(RigidParts, AHardPartOfThousandsOfWeightsMovesAsOne) {
+  Piece knob{ball(0.05, 80), {0, 0.9, trunk_radius + 0.1}, {{plate_joint, 1.0}}, "Knob", ""};
+  rig::Character character = trunk_with({knob});
+  const rig::SurfacePart part = character.parts[1];
+  ASSERT_GT(part.vertex_count, 3000u);
+  for (std::size_t k = 0; k < part.vertex_count; ++k) {
+    const double off = 0.01 * static_cast<double>(k) / part.vertex_count;
+    character.joints[part.first_vertex + k] = {plate_joint, chest};
+    character.weights[part.first_vertex + k] = {1.0 - off, off};
+  }
+  const scene::Scene scene = scene_of(character);
+  EXPECT_EQ(count_rigid(scene), part.vertex_count);
+  const model::Model m = build_with(scene, with_mesher());
+  EXPECT_EQ(carriers_of(m, part).size(), 1u);
+  // The two joints' poses move the knob by less than a metre apart.
+  for (std::uint32_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v)
+    EXPECT_LT(ride_of(m, character, v).error, 0.01) << v;
+}
+
+// The control: requested skin is not one rigid part, and keeps its weights to a 64th.
+TEST(RigidParts, ThousandsOfWeightsThatAreAskedForShareCarriers) {
+  Piece knob{ball(0.05, 80), {0, 0.9, trunk_radius + 0.1}, {{plate_joint, 1.0}}, "Knob", ""};
+  rig::Character character = trunk_with({knob});
+  const rig::SurfacePart part = character.parts[1];
+  for (std::size_t k = 0; k < part.vertex_count; ++k) {
+    const double off = static_cast<double>(k) / part.vertex_count;
+    character.joints[part.first_vertex + k] = {plate_joint, chest};
+    character.weights[part.first_vertex + k] = {1.0 - off, off};
+  }
+  scene::Scene scene = scene_of(character);
+  scene.skeleton.rigid = {"Knob"};
+  const model::Model m = build_with(scene, with_mesher());
+  EXPECT_EQ(carriers_of(m, part).size(), 65u);
+  // A carrier's weights are off by at most a 64th, and the two joints' poses are less than a metre apart.
+  for (std::uint32_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v)
+    EXPECT_LT(ride_of(m, character, v).error, 1.0 / 64.0) << v;
 }
 
 TEST(RigidParts, OnePieceOfHardWeightsIsFlesh) {
