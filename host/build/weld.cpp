@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "host/build/box_tree.h"
 #include "host/build/message.h"
 
 namespace fascicle::build {
@@ -142,16 +144,27 @@ std::vector<std::uint32_t> representatives(const SurfaceMesh& surface) {
   return same;
 }
 
-std::uint32_t nearest_vertex(const SurfaceMesh& surface, const Vector3d& point) {
+BoxTree tree_of(const std::vector<Vector3d>& points) {
+  std::vector<BoundingBox> boxes;
+  for (const Vector3d& p : points) boxes.push_back({p, p});
+  return BoxTree(boxes);
+}
+
+// Of vertices at the same distance, the lowest.
+std::uint32_t nearest_vertex(const std::vector<Vector3d>& vertices, const BoxTree& tree,
+                             const Vector3d& point) {
   std::uint32_t nearest = 0;
   double smallest = std::numeric_limits<double>::infinity();
-  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i) {
-    const double distance2 = (surface.vertices[i] - point).squaredNorm();
-    if (distance2 < smallest) {
+  tree.visit_near(point, smallest, [&](std::uint32_t i) {
+    const double distance2 = (vertices[i] - point).squaredNorm();
+    if (distance2 < smallest || (distance2 == smallest && i < nearest)) {
       smallest = distance2;
       nearest = i;
     }
-  }
+    // The tree adds up a distance in its own order, and may round it up above this one.
+    constexpr double slack = 1.0 + 1e-12;
+    return slack * smallest;
+  });
   return nearest;
 }
 
@@ -210,11 +223,15 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
     for (std::uint32_t& corner : t) corner = number[corner];
 
   std::vector<std::uint32_t> stray;
+  std::optional<BoxTree> tree;
   for (std::uint32_t i = 0; i < surface.vertices.size(); ++i) {
-    const bool in_body = used[same[i]] != 0;
-    welded.of_vertex.push_back(in_body ? number[same[i]]
-                                       : nearest_vertex(welded.surface, surface.vertices[i]));
-    if (!in_body) stray.push_back(i);
+    if (used[same[i]]) {
+      welded.of_vertex.push_back(number[same[i]]);
+      continue;
+    }
+    if (!tree) tree = tree_of(welded.surface.vertices);
+    welded.of_vertex.push_back(nearest_vertex(welded.surface.vertices, *tree, surface.vertices[i]));
+    stray.push_back(i);
   }
   if (!stray.empty())
     warn(report, counted(stray.size(), "vertex of the surface belongs", "vertices of the surface belong") +

@@ -1,5 +1,6 @@
 // Surfaces before they are filled: welding, bones, points inside.
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -89,6 +90,47 @@ TEST(Weld, KeepsTheOrderAndPassesByStrayVertices) {
   EXPECT_EQ(report.warnings[0].text.substr(0, 31), "1 vertex of the surface belongs");
   EXPECT_EQ(welded.surface.vertices, cube_surface(2.0).vertices);
   EXPECT_EQ(welded.surface.vertices[welded.of_vertex[0]], Vector3d(1, 1, 1));
+}
+
+// On a lattice, so that strays are often equally far from several vertices.
+SurfaceMesh strip_on_a_lattice(std::uint32_t length) {
+  SurfaceMesh strip;
+  for (std::uint32_t k = 0; k <= length; ++k) {
+    strip.vertices.emplace_back(k % 100, k / 100, 0);
+    strip.vertices.emplace_back(k % 100, k / 100, 1);
+    if (k > 0) strip.triangles.push_back({2 * k - 2, 2 * k - 1, 2 * k});
+    if (k > 0) strip.triangles.push_back({2 * k - 1, 2 * k + 1, 2 * k});
+  }
+  return strip;
+}
+
+TEST(Weld, StrayVerticesFollowTheNearestOrTheLowest) {
+  SurfaceMesh strip = strip_on_a_lattice(500);
+  const std::size_t used = strip.vertices.size();
+  for (std::uint32_t k = 0; k < 2000; ++k)
+    strip.vertices.emplace_back(k % 97 / 2.0, k % 13 / 2.0 - 1.0, k % 5 / 4.0 + (k % 7 == 0 ? 1e6 : 0.0));
+  build::Report report;
+  const build::WeldedSurface welded = build::weld(strip, "test", report);
+  ASSERT_EQ(welded.surface.vertices.size(), used);
+  for (std::size_t v = used; v < strip.vertices.size(); ++v) {
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < used; ++i)
+      if ((strip.vertices[i] - strip.vertices[v]).squaredNorm() <
+          (strip.vertices[nearest] - strip.vertices[v]).squaredNorm())
+        nearest = i;
+    ASSERT_EQ(welded.of_vertex[v], nearest) << v;
+  }
+}
+
+// Compared one by one, these take half a minute.
+TEST(Weld, ManyStrayVerticesAreQuick) {
+  SurfaceMesh strip = strip_on_a_lattice(75'000);
+  for (std::uint32_t k = 0; k < 150'000; ++k)
+    strip.vertices.emplace_back(k % 97, k % 751 + 0.3, k % 13 + 0.2);
+  const std::clock_t start = std::clock();
+  build::Report report;
+  build::weld(strip, "test", report);
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 5.0);
 }
 
 TEST(Weld, LeavesOutCollapsedTrianglesWithAWarning) {
