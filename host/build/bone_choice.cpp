@@ -10,12 +10,14 @@
 
 #include <Eigen/LU>
 
+#include "host/base/text.h"
 #include "host/build/joint_skin.h"
 #include "host/build/measures.h"
 #include "host/build/message.h"
 #include "host/build/skin_inside.h"
 #include "host/build/surface_search.h"
 #include "host/build/turns.h"
+#include "host/model/reach.h"
 
 namespace fascicle::build {
 
@@ -50,10 +52,25 @@ constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
 
 Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
   const Eigen::FullPivLU<Eigen::Matrix4d> factored(joint.inverse_bind);
-  if (!joint.inverse_bind.allFinite() || !factored.isInvertible())
+  if (joint.inverse_bind.allFinite() && factored.isInvertible()) {
+    const Eigen::Vector4d origin = factored.solve(Eigen::Vector4d(0, 0, 0, 1));
+    return origin.head<3>() / origin[3];
+  }
+  // Next to a translation of 1e8, a rotation counts as zero.
+  const Eigen::FullPivLU<Eigen::Matrix3d> linear(joint.inverse_bind.topLeftCorner<3, 3>());
+  if (!joint.inverse_bind.allFinite() || !linear.isInvertible() ||
+      joint.inverse_bind.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
     fail(source, "joint \"" + joint.name + "\": its inverse bind matrix has no inverse");
-  const Eigen::Vector4d origin = factored.solve(Eigen::Vector4d(0, 0, 0, 1));
-  return origin.head<3>() / origin[3];
+  return -linear.solve(joint.inverse_bind.topRightCorner<3, 1>());
+}
+
+// Farther away, nothing can be simulated.
+Vector3d bind_place(const rig::Joint& joint, double scale, const std::string& source) {
+  const Vector3d place = scale * bind_position(joint, source);
+  if (!(place.cwiseAbs().maxCoeff() < model::farthest))
+    fail(source, "joint \"" + joint.name + "\": it is " + base::number_text(place.cwiseAbs().maxCoeff()) +
+                     " m away from the origin, which cannot be simulated; move the character nearer");
+  return place;
 }
 
 class Chooser {
@@ -70,7 +87,7 @@ class Chooser {
     std::optional<Vector3d> low, high;
     for (std::size_t j = 0; j < place_.size(); ++j) {
       if (!character.skeleton[j].skins) continue;
-      place_[j] = scale * bind_position(character.skeleton[j], source);
+      place_[j] = bind_place(character.skeleton[j], scale, source);
       low = low ? Vector3d(low->cwiseMin(place_[j])) : place_[j];
       high = high ? Vector3d(high->cwiseMax(place_[j])) : place_[j];
     }

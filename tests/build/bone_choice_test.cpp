@@ -296,6 +296,26 @@ TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
   expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
 }
 
+// A translation of 1e8 makes a rotation look singular. Beyond 1e9 m nothing is simulated.
+TEST(BoneChoice, WorksFarFromTheOrigin) {
+  const auto choose_at = [](double far) {
+    rig::Character c = column_of_flesh();
+    for (Vector3d& p : c.surface.vertices) p[0] += far;
+    for (rig::Joint& joint : c.skeleton) joint.inverse_bind(0, 3) -= far;
+    return build::choose_bones(c, {}, 1.0, "test");
+  };
+  const BoneChoice near = choose();
+  for (const double far : {1e7, 1e8, 9e8}) {
+    const BoneChoice choice = choose_at(far);
+    ASSERT_EQ(choice.bones.size(), near.bones.size()) << far;
+    // Numbers of 9e8 have steps of 1.2e-7, and some of them make a place.
+    for (std::size_t b = 0; b < near.bones.size(); ++b)
+      EXPECT_LE((choice.bones[b].from - Vector3d(far, 0, 0) - near.bones[b].from).norm(), 1e-6) << far;
+  }
+  for (const double far : {1e9, 1e12})
+    expect_refusal([&] { choose_at(far); }, "m away from the origin, which cannot be simulated");
+}
+
 // A leg whose foot is parented to the floor joint instead of the shank and is far away, as for an IK target.
 TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
   enum Leg : std::uint32_t { ground, thigh, shank, foot };
