@@ -12,6 +12,7 @@
 #include "host/build/filled_body.h"
 #include "host/build/join_bodies.h"
 #include "host/build/mesher.h"
+#include "host/build/message.h"
 #include "host/build/rigid_parts.h"
 #include "host/build/skin_weights.h"
 #include "host/build/thin_props.h"
@@ -72,6 +73,7 @@ Body body_of_one(const rig::Character& character, const scene::Scene& scene, boo
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
   BoneChoice choice = choose_bones(character, scene.skeleton, scene.scale, scene.source);
+  if (!choice.warning.empty() && !is_prop) warn_of_flesh(report, choice.warning);
   report.joints = std::move(choice.report);
   body.joints = std::move(choice.joints);
   body.bones = std::move(choice.bones);

@@ -5,7 +5,9 @@
 #include <iomanip>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include <Eigen/LU>
@@ -35,6 +37,8 @@ constexpr int axis_samples = 10;
 // not a breast.
 constexpr double goes_on_share = 0.5;
 constexpr double most_open_going_on = 0.75;
+// Users are told if joints that are too small for bones move more than this share of the skin.
+constexpr double most_of_small_joints = 0.5;
 // A root outside the skin that moves less than this share of it is a control.
 constexpr double control_share = 5e-3;
 // How far outside, as a share of the skeleton's extent.
@@ -114,6 +118,7 @@ class Chooser {
     write_bones(inside);
     write_uses();
     write_reasons();
+    write_warning();
     return std::move(choice_);
   }
 
@@ -453,6 +458,32 @@ class Chooser {
       choice_.joints.push_back(
           {joint.name, joint.parent, bone, joint.is_kinematic, simulated[j] || !joint.is_bone});
     }
+  }
+
+  // A rig with hundreds of joints beside each other has none that is large enough for a bone.
+  void write_warning() {
+    const std::vector<char> kinematic = named(settings_.kinematic, "skeleton.kinematic", true);
+    double area = 0.0;
+    std::set<std::string> roots;
+    for (std::size_t j = 0; j < size(); ++j) {
+      const JointReport& joint = choice_.report[j];
+      if (joint.is_bone || !joint.is_kinematic || kinematic[j] || refused_[j] || is_control_[j]) continue;
+      if (!(joint.share > 0.0) || joint.share >= settings_.least_share) continue;
+      area += skin_.own[j].area;
+      std::size_t root = j;
+      while (character_.skeleton[root].parent >= 0)
+        root = static_cast<std::size_t>(character_.skeleton[root].parent);
+      roots.insert("\"" + character_.skeleton[root].name + "\"");
+    }
+    if (!(area > most_of_small_joints * skin_.whole) || !settings_.only.empty()) return;
+    std::string names;
+    for (const std::string& name : roots) names += (names.empty() ? "" : ", ") + name;
+    choice_.warning = base::percent_text(area / skin_.whole) +
+                      " of the skin follows the skeleton because the joints there are too small to be bones: "
+                      "each moves less than " +
+                      base::percent_text(settings_.least_share) +
+                      " of the skin (skeleton.least_share); if it is flesh, set skeleton.simulated = [" +
+                      names + "], or name joints below";
   }
 
   // "bone: its skin closes around it (open 0.12); moves 4.1 % of the skin; ..."

@@ -38,6 +38,9 @@ struct BoneChoice {
   std::vector<JointReport> report;  // one for each joint of the skeleton
   std::vector<JointUse> joints;     // the same
   std::vector<Bone> bones;
+  // If most of the skin follows the skeleton only because its joints are too small to be bones: says so and
+  // how to change that. Else empty.
+  std::string warning;
 };
 
 // Coordinates are multiplied by `scale`. Bones run from each chosen joint to each of the next chosen joints

@@ -296,6 +296,28 @@ TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
   expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
 }
 
+// Eighty joints beside each other, each of them too small for a bone.
+TEST(BoneChoice, WarnsOfJointsThatAreAllTooSmall) {
+  constexpr int count = 80;
+  rig::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
+    return {{static_cast<Joint>(1 + std::min(static_cast<int>(p[1] / height * count), count - 1)), 1.0}};
+  });
+  c.skeleton = {joint_at("root", -1, {0, 0.1, 0})};
+  for (int k = 0; k < count; ++k)
+    c.skeleton.push_back(joint_at(("b" + std::to_string(k)).c_str(), 0, {0, (k + 0.5) * height / count, 0}));
+  scene::SkeletonSettings settings;
+  settings.least_share = 0.02;
+  const BoneChoice choice = build::choose_bones(c, settings, 1.0, "test");
+  EXPECT_NE(choice.warning.find("each moves less than 2"), std::string::npos) << choice.warning;
+  EXPECT_NE(choice.warning.find("skeleton.simulated = [\"root\"]"), std::string::npos) << choice.warning;
+  // Its advice works.
+  settings.simulated = {"root"};
+  const BoneChoice simulated = build::choose_bones(c, settings, 1.0, "test");
+  EXPECT_EQ(simulated.warning, "");
+  for (const build::JointUse& joint : simulated.joints) EXPECT_FALSE(joint.is_kinematic) << joint.name;
+  EXPECT_EQ(choose().warning, "");
+}
+
 // A translation of 1e8 makes a rotation look singular. Beyond 1e9 m nothing is simulated.
 TEST(BoneChoice, WorksFarFromTheOrigin) {
   const auto choose_at = [](double far) {
@@ -386,6 +408,7 @@ void expect_choice(const Expected& expected) {
   FASCICLE_NEEDS_ASSET(asset(expected.file));
   const rig::Character character = gltf::read_gltf(asset(expected.file));
   const BoneChoice choice = build::choose_bones(character, {}, 1.0, expected.file);
+  EXPECT_EQ(choice.warning, "");
   std::map<std::string, build::JointReport> named;
   std::size_t bones = 0;
   std::vector<std::string> ends;
