@@ -67,20 +67,27 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
+BoneChoice choose_bones_beside(const rig::Character& character, const WeldedSurface& welded,
+                               const RigidSkin& rigid, const scene::Scene& scene) {
+  std::vector<char> is_left_out;
+  for (const std::uint32_t v : welded.of_vertex) is_left_out.push_back(rigid.is_beside[v]);
+  return choose_bones(character, scene.skeleton, scene.scale, scene.source, is_left_out);
+}
+
 // Fills all parts of a prop: it pushes by its tetrahedra.
 Body body_of_one(const rig::Character& character, const scene::Scene& scene, bool is_prop, Report& report,
                  const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
-  BoneChoice choice = choose_bones(character, scene.skeleton, scene.scale, scene.source);
+  const SkinWeights weights =
+      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
+  RigidSkin rigid = find_rigid_parts(character, welded, weights, scene);
+  BoneChoice choice = choose_bones_beside(character, welded, rigid, scene);
   if (!choice.warning.empty() && !is_prop) warn_of_flesh(report, choice.warning);
   report.joints = std::move(choice.report);
   body.joints = std::move(choice.joints);
   body.bones = std::move(choice.bones);
   add_scene_bones(scene, body);
-  const SkinWeights weights =
-      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
-  RigidSkin rigid = find_rigid_parts(character, welded, weights, scene);
   if (is_prop) rigid.report.clear();
   report.rigid_parts = rigid.report;
   if (rigid.report.empty()) {
@@ -124,6 +131,14 @@ Body body_of(const rig::Character& character, const scene::Scene& scene, Report&
 }
 
 }  // namespace
+
+BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene) {
+  Report unread;
+  const WeldedSurface welded = prepare_surface(character.surface, scene, unread);
+  const SkinWeights weights =
+      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
+  return choose_bones_beside(character, welded, find_rigid_parts(character, welded, weights, scene), scene);
+}
 
 std::size_t member_of(const Body& body, std::size_t vertex) {
   if (body.members.empty()) return 0;

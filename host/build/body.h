@@ -85,6 +85,11 @@ inline Holding holding_of(const Body& body, std::size_t vertex) {
   return body.holding.empty() ? Holding::none : body.holding[vertex];
 }
 
+// The bones of one character of the scene, as make_body chooses them: without the skin of floors and of parts
+// that were requested to be rigid.
+struct BoneChoice;
+BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene);
+
 // Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.
 Body make_body(const scene::Scene& scene, Report& report, const BuildOptions& options);
 

@@ -80,7 +80,7 @@ Vector3d bind_place(const rig::Joint& joint, double scale, const std::string& so
 class Chooser {
  public:
   Chooser(const rig::Character& character, const scene::SkeletonSettings& settings, double scale,
-          const std::string& source)
+          const std::string& source, const std::vector<char>& is_left_out)
       : character_(character),
         settings_(settings),
         source_(source),
@@ -88,6 +88,8 @@ class Chooser {
         choice_(),
         place_(character.skeleton.size(), Vector3d::Zero()) {
     for (Vector3d& p : surface_.vertices) p *= scale;
+    if (!is_left_out.empty())
+      std::erase_if(surface_.triangles, [&](const auto& t) { return is_left_out[t[0]] != 0; });
     std::optional<Vector3d> low, high;
     for (std::size_t j = 0; j < place_.size(); ++j) {
       if (!character.skeleton[j].skins) continue;
@@ -550,8 +552,8 @@ class Chooser {
 }  // namespace
 
 BoneChoice choose_bones(const rig::Character& character, const scene::SkeletonSettings& settings,
-                        double scale, const std::string& source) {
-  return Chooser(character, settings, scale, source).run();
+                        double scale, const std::string& source, const std::vector<char>& is_left_out) {
+  return Chooser(character, settings, scale, source, is_left_out).run();
 }
 
 }  // namespace fascicle::build

@@ -53,9 +53,10 @@ struct BoneChoice {
 // than 20 degrees against its parent (a pig's ear) carries no such flesh. A joint that ends a chain beside
 // another bone of its parent, and whose skin lies around that bone (a twist joint), is part of that bone.
 //
+// Skin marked in `is_left_out`, one flag per vertex or empty, does not count: a floor below the body.
 // `settings` can override all of this. Throws scene::SceneError for names that no joint has, and for a
 // singular inverse bind matrix.
 BoneChoice choose_bones(const rig::Character& character, const scene::SkeletonSettings& settings,
-                        double scale, const std::string& source);
+                        double scale, const std::string& source, const std::vector<char>& is_left_out = {});
 
 }  // namespace fascicle::build

@@ -24,6 +24,8 @@ namespace {
 
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
+// A part that is thinner than this share of its extent is flat.
+constexpr double flat_share = 0.02;
 // A hard part's weights are all but equal; with more rows than this it moves by their mean.
 constexpr std::size_t most_rows_of_hard = 1000;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
@@ -89,6 +91,21 @@ bool follows_mean(const SkinWeights& weights, const Part& part) {
   std::set<WeightRow> rows;
   for (const std::uint32_t v : part.vertices) rows.insert(weight_row(weights, v));
   return rows.size() > (part.is_hard ? most_rows_of_hard : 1);
+}
+
+bool is_flat(const std::vector<Vector3d>& place, const Part& part) {
+  const Vector3d& origin = place[part.vertices.front()];
+  const auto farthest = [&](auto distance) {
+    const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
+      return distance(place[a] - origin) < distance(place[b] - origin);
+    };
+    return Vector3d(place[*std::max_element(part.vertices.begin(), part.vertices.end(), nearer)] - origin);
+  };
+  const Vector3d along = farthest([](const Vector3d& d) { return d.norm(); });
+  const Vector3d aside = farthest([&](const Vector3d& d) { return along.cross(d).norm(); });
+  const Vector3d normal = along.cross(aside).normalized();
+  const Vector3d out = farthest([&](const Vector3d& d) { return std::abs(normal.dot(d)); });
+  return std::abs(normal.dot(out)) <= flat_share * along.norm();
 }
 
 std::vector<Part> connected_parts_of(const mesh::SurfaceMesh& surface, const SkinWeights& weights) {
@@ -197,6 +214,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   RigidSkin rigid;
   rigid.is_rigid = asked_for(character, welded, weights, scene);
   rigid.is_apart.assign(rigid.is_rigid.size(), 0);
+  rigid.is_beside.assign(rigid.is_rigid.size(), 0);
   // For each vertex of the welded skin the file's first vertex, and how many there are.
   std::vector<std::uint32_t> first_of(rigid.is_rigid.size()), count_of(rigid.is_rigid.size(), 0);
   for (std::size_t v = welded.of_vertex.size(); v-- > 0;) {
@@ -211,8 +229,14 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   const std::vector<char> simulated = with_all_below(character, scene.skeleton.simulated);
   const std::vector<Part> parts = connected_parts_of(welded.surface, weights);
   const bool all_hard = is_robot(parts);
-  double whole = 0.0;
-  for (const Part& part : parts) whole += part.area;
+  double all_area = 0.0, whole = 0.0;
+  for (const Part& part : parts) all_area += part.area;
+  // A floor below the body says nothing about the body's own parts.
+  const auto is_floor = [&](const Part& part) {
+    return parts.size() > 1 && part.is_hard && part.area > largest_rigid_share * all_area &&
+           !simulated[part.main_joint()] && is_flat(welded.surface.vertices, part);
+  };
+  for (const Part& part : parts) whole += is_floor(part) ? 0.0 : part.area;
   std::vector<SharedRow> shared;
   for (const Part& part : parts) {
     const std::uint32_t joint = part.main_joint();
@@ -220,8 +244,9 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     const auto is_asked = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };
     const std::size_t asked =
         static_cast<std::size_t>(std::count_if(part.vertices.begin(), part.vertices.end(), is_asked));
-    const bool is_found = parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
-                          (all_hard || part.area <= largest_rigid_share * whole);
+    const bool is_found =
+        is_floor(part) || (parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
+                           (all_hard || part.area <= largest_rigid_share * whole));
     if (asked == 0 && !is_found) continue;
     const bool is_whole = is_found || asked == part.vertices.size();
     RigidReport report{name_of_vertex(character, first_of[part.vertices.front()]),
@@ -231,6 +256,8 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
       report.reason = "requested";
     else if (!is_found)
       report.reason = "requested; the rest of its part is soft";
+    else if (!all_hard && is_floor(part))
+      report.reason = "a separate part that is large and flat, moved by one joint";
     else if (all_hard)
       report.reason = "each part is moved by a single joint: a robot, which has no flesh";
     else
@@ -239,7 +266,10 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
                       std::string(", ") + base::percent_text(part.area / whole) + " of the skin";
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
-    for (const std::uint32_t v : part.vertices) rigid.is_rigid[v] = rigid.is_apart[v] = 1;
+    for (const std::uint32_t v : part.vertices) {
+      rigid.is_rigid[v] = rigid.is_apart[v] = 1;
+      rigid.is_beside[v] = !all_hard && (asked == part.vertices.size() || is_floor(part)) ? 1 : 0;
+    }
     if (follows_mean(weights, part)) shared.push_back({part.vertices, {part.mean.begin(), part.mean.end()}});
   }
   rigid.weights = with_shared_rows(weights, shared);

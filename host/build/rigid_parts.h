@@ -4,7 +4,8 @@
 // Found automatically are parts of the skin that are connected to no other part and are moved by one joint
 // (each vertex by at least 0.99 of its weights) or by a uniform blend (no vertex off the mean by more than
 // 0.05). Each has at most a quarter of the skin's area: a man made of separate blocks has flesh in the large
-// ones. If all parts of the skin are such, at least two parts and of at least two joints, the character is a
+// ones. A floor, a flat part moved by one joint, may be larger; the shares of the others are those
+// without it. If all parts of the skin are such, at least two parts and of at least two joints, the character is a
 // robot, and all of it is rigid. Inlays, such as teeth, claws and eyes modelled into the skin, are found too:
 // patches of one object and material moved by one joint, each with at most a hundredth of the skin's area. A
 // skin in one piece and one material has none, however hard its weights: low-polygon figures have hard
@@ -33,6 +34,9 @@ namespace fascicle::build {
 struct RigidSkin {
   std::vector<char> is_rigid;  // per vertex of the welded skin
   std::vector<char> is_apart;  // per vertex of the welded skin: rigid, and connected to no soft skin
+  // Per vertex of the welded skin: on a whole part that was requested or is a floor. Bones are chosen without
+  // it.
+  std::vector<char> is_beside;
   SkinWeights weights;  // of the welded skin; a separate part with an almost uniform blend has its mean
   std::vector<RigidReport> report;
 };

@@ -55,12 +55,10 @@ void print_character(const scene::Scene& scene, const rig::Character& character)
               << ", " << number_text(clip.duration, 4) << " s\n";
   }
   std::vector<build::JointReport> joints;
-  if (scene.characters.empty())
-    joints = build::choose_bones(character, scene.skeleton, scene.scale, scene.source).report;
+  if (scene.characters.empty()) joints = build::bones_of(character, scene).report;
   for (std::size_t k = 0; k < scene.characters.size(); ++k) {
     const scene::Scene own = build::scene_of_character(scene, k);
-    const build::BoneChoice choice =
-        build::choose_bones(scene.characters[k].own, own.skeleton, own.scale, own.source);
+    const build::BoneChoice choice = build::bones_of(scene.characters[k].own, own);
     joints.insert(joints.end(), choice.report.begin(), choice.report.end());
   }
   for (const build::JointReport& joint : joints)

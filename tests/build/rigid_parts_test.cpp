@@ -10,6 +10,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "host/build/body.h"
+#include "host/build/bone_choice.h"
 #include "host/build/skin_weights.h"
 #include "tests/build/made_surfaces.h"
 #include "tests/build/scenes.h"
@@ -371,6 +373,51 @@ TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
   for (const build::Warning& warning : report.warnings) ADD_FAILURE() << warning.text;
   for (std::uint32_t v = 0; v < robot.surface.vertices.size(); ++v)
     EXPECT_LT(ride_of(m, robot, v).error, ride_tolerance) << v;
+}
+
+Piece floor(double side, double thickness, std::uint32_t joint) {
+  mesh::SurfaceMesh slab = cube_surface(1.0);
+  for (Vector3d& p : slab.vertices) p = p.cwiseProduct(Vector3d(side, thickness, side));
+  return {slab, {0, -0.5, 0}, {{joint, 1.0}}, "Floor", "Stone"};
+}
+
+std::vector<build::Bone> bones_of(const scene::Scene& scene) {
+  return build::bones_of(std::get<rig::Character>(scene.geometry), scene).bones;
+}
+
+// A floor is far larger than the body: it would hide the body's bones, whichever joint it follows.
+TEST(RigidParts, AFloorIsRigidAndHidesNoBone) {
+  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({plate()})));
+  ASSERT_FALSE(alone.empty());
+  for (const std::uint32_t joint : {std::uint32_t{pelvis}, std::uint32_t{plate_joint}}) {
+    const scene::Scene scene = scene_of(trunk_with({plate(), floor(20.0, 0.01, joint)}));
+    EXPECT_EQ(count_rigid(scene), 2 * plate().surface.vertices.size());
+    const std::vector<build::Bone> bones = bones_of(scene);
+    ASSERT_EQ(bones.size(), alone.size()) << joint;
+    for (std::size_t k = 0; k < bones.size(); ++k) {
+      EXPECT_EQ(bones[k].from, alone[k].from);
+      EXPECT_EQ(bones[k].to, alone[k].to);
+    }
+    build::Report report;
+    const model::Model m = build::build_model(scene, report, with_mesher());
+    EXPECT_FALSE(m.tetrahedron.empty());
+    EXPECT_EQ(report.rigid_parts.back().reason, "a separate part that is large and flat, moved by one joint");
+  }
+}
+
+// The controls: a block is no floor, and what is asked for is left out whatever its shape.
+TEST(RigidParts, ABlockIsLeftOutOfTheChoiceOfBonesIfItIsAskedFor) {
+  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
+  scene::Scene scene = scene_of(trunk_with({floor(20.0, 5.0, chest)}));
+  EXPECT_EQ(count_rigid(scene), 0u);
+  const auto are_alone = [&](const std::vector<build::Bone>& bones) {
+    return bones.size() == alone.size() &&
+           std::equal(bones.begin(), bones.end(), alone.begin(),
+                      [](const auto& a, const auto& b) { return a.from == b.from && a.to == b.to; });
+  };
+  EXPECT_FALSE(are_alone(bones_of(scene)));
+  scene.skeleton.rigid = {"Floor"};
+  EXPECT_TRUE(are_alone(bones_of(scene)));
 }
 
 // The control: flesh that becomes rigid only through a bone layer's shapes gives a warning.
