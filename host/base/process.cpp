@@ -151,8 +151,10 @@ std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, const Proc
   Clock::time_point moved = Clock::now();
   for (;;) {
     const ChildState state = state_of(child);
-    if (state == ChildState::ended) return ProcessEnd::exited;
     if (state == ChildState::reaped) return std::nullopt;
+    // Before its end is seen, so that a child that has ended already was asked about, too.
+    if (limits.is_cancelled && limits.is_cancelled()) return ProcessEnd::cancelled;
+    if (state == ChildState::ended) return ProcessEnd::exited;
     if (const double now = processor_seconds(child); now > used) {
       used = now;
       moved = Clock::now();
@@ -160,7 +162,6 @@ std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, const Proc
     if (used > limits.seconds) return ProcessEnd::timed_out;
     if (std::chrono::duration<double>(Clock::now() - moved).count() > limits.seconds)
       return ProcessEnd::stalled;
-    if (limits.is_cancelled && limits.is_cancelled()) return ProcessEnd::cancelled;
     pollfd event{is_open ? error_output : -1, POLLIN, 0};
     const int ready = ::poll(&event, 1, slice);
     if (ready > 0) is_open = read_some(error_output, tail);

@@ -16,8 +16,8 @@ struct ProcessLimits {
   // time is used.
   double seconds = 60.0;
   std::uint64_t bytes = std::uint64_t{4} << 30;  // of address space
-  // Called at least fifty times a second while the program runs; returning true ends the program. Must not
-  // throw.
+  // Called at least fifty times a second while the program runs, and at least once; returning true ends the
+  // program. Must not throw.
   std::function<bool()> is_cancelled = {};
 };
 

@@ -3,13 +3,14 @@
 //
 // Found automatically are parts of the skin that are connected to no other part and are moved by one joint
 // (each vertex by at least 0.99 of its weights) or by a uniform blend (no vertex off the mean by more than
-// 0.05). Each has at most a quarter of the skin's area: a man made of separate blocks has flesh in the large
-// ones. A floor, a flat part moved by one joint, may be larger; the shares of the others are those
-// without it. If all parts of the skin are such, at least two parts and of at least two joints, the character is a
-// robot, and all of it is rigid. Inlays, such as teeth, claws and eyes modelled into the skin, are found too:
-// patches of one object and material moved by one joint, each with at most a hundredth of the skin's area. A
-// skin in one piece and one material has none, however hard its weights: low-polygon figures have hard
-// weights everywhere. A joint in skeleton.simulated, and those below it, have none.
+// 0.05). Each has at most a quarter of the skin's area: a man made of separate blocks has flesh in the
+// large ones. A floor, a flat part moved by one joint, may be larger; the shares of the others are those
+// without it. If all parts of the skin are such, at least two parts and of at least two joints, the
+// character is a robot, and all of it is rigid. Inlays, such as teeth, claws and eyes modelled into the
+// skin, are found too: patches of one object and material moved by one joint, each with at most a
+// hundredth of the skin's area. A skin in one piece and one material has none, however hard its weights:
+// low-polygon figures have hard weights everywhere. A joint in skeleton.simulated, and those below it,
+// have none.
 //
 // The user can add, by skeleton.rigid, the skin of joints (at least half of the weights), of objects and of
 // materials, and paint the attribute _RIGID with at least 0.5.

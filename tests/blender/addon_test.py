@@ -49,7 +49,7 @@ class WithBlender(unittest.TestCase):
     @classmethod
     def blender(cls, *arguments, before=("blender", "--background")):
         ran = subprocess.run([*before, "--factory-startup", "--python-exit-code", "1", *arguments], capture_output=True,
-                             text=True, timeout=600, env=cls.environment)
+                             text=True, timeout=3000, env=cls.environment)
         if ran.returncode != 0:
             raise AssertionError(ran.stdout[-4000:] + ran.stderr[-4000:])
         return ran.stdout
