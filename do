@@ -118,6 +118,18 @@ commit_time() {
   export SOURCE_DATE_EPOCH
 }
 
+# Whether /dev/shm and memory have a few GB left, and programs may run there.
+has_room_in_memory() {
+  [ "$(df -k --output=avail /dev/shm 2>/dev/null | tail -n 1)" -gt 4000000 ] 2>/dev/null || return 1
+  [ "$(awk '/^MemAvailable:/ { print $2 }' /proc/meminfo)" -gt 8000000 ] 2>/dev/null || return 1
+  tried=$(mktemp -p /dev/shm) || return 1
+  printf '#!/bin/sh\n' > "$tried"
+  chmod +x "$tried"
+  "$tried" 2>/dev/null && runs=0 || runs=1
+  rm -f "$tried"
+  return $runs
+}
+
 command=${1:-help}
 [ $# -eq 0 ] || shift
 # shellcheck disable=SC2086
@@ -135,9 +147,7 @@ case $command in
     web_tools release
     build release -DFASCICLE_TESTS=ON
     # Tests sync thousands of small files. In memory, those of bakes take a quarter of the time.
-    if [ -z "${TMPDIR:-}" ] && [ "$(df -k --output=avail /dev/shm 2>/dev/null | tail -n 1)" -gt 6000000 ] 2>/dev/null; then
-      export TMPDIR=/dev/shm
-    fi
+    if [ -z "${TMPDIR:-}" ] && has_room_in_memory; then export TMPDIR=/dev/shm; fi
     # One more than there are cores: some tests wait for a time limit or for another process.
     exec ctest --preset release --output-on-failure -j "$(($(nproc) + 1))" "$@"
     ;;

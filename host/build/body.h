@@ -85,8 +85,8 @@ inline Holding holding_of(const Body& body, std::size_t vertex) {
   return body.holding.empty() ? Holding::none : body.holding[vertex];
 }
 
-// The bones of one character of the scene, as make_body chooses them: without the skin of floors and of parts
-// that were requested to be rigid.
+// The bones of one character of the scene, as make_body chooses them: without the skin of floors, and of
+// large parts that were requested to be rigid. Throws scene::SceneError.
 struct BoneChoice;
 BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene);
 

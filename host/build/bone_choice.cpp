@@ -39,6 +39,7 @@ constexpr double goes_on_share = 0.5;
 constexpr double most_open_going_on = 0.75;
 // Users are told if joints that are too small for bones move more than this share of the skin.
 constexpr double most_of_small_joints = 0.5;
+constexpr std::size_t most_named_roots = 5;
 // A root outside the skin that moves less than this share of it is a control.
 constexpr double control_share = 5e-3;
 // How far outside, as a share of the skeleton's extent.
@@ -54,6 +55,10 @@ constexpr double most_turn_of_flesh = 20.0 * std::numbers::pi / 180.0;
 // and if the other's skin has at least this share of the area of the joint's own skin.
 constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
 
+[[noreturn]] void fail_for_inverse(const rig::Joint& joint, const std::string& source) {
+  fail(source, "joint \"" + joint.name + "\": its inverse bind matrix has no inverse");
+}
+
 Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
   const Eigen::FullPivLU<Eigen::Matrix4d> factored(joint.inverse_bind);
   if (joint.inverse_bind.allFinite() && factored.isInvertible()) {
@@ -64,13 +69,14 @@ Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
   const Eigen::FullPivLU<Eigen::Matrix3d> linear(joint.inverse_bind.topLeftCorner<3, 3>());
   if (!joint.inverse_bind.allFinite() || !linear.isInvertible() ||
       joint.inverse_bind.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    fail(source, "joint \"" + joint.name + "\": its inverse bind matrix has no inverse");
+    fail_for_inverse(joint, source);
   return -linear.solve(joint.inverse_bind.topRightCorner<3, 1>());
 }
 
 // Farther away, nothing can be simulated.
 Vector3d bind_place(const rig::Joint& joint, double scale, const std::string& source) {
   const Vector3d place = scale * bind_position(joint, source);
+  if (!place.allFinite()) fail_for_inverse(joint, source);
   if (!(place.cwiseAbs().maxCoeff() < model::farthest))
     fail(source, "joint \"" + joint.name + "\": it is " + base::number_text(place.cwiseAbs().maxCoeff()) +
                      " m away from the origin, which cannot be simulated; move the character nearer");
@@ -480,12 +486,14 @@ class Chooser {
     if (!(area > most_of_small_joints * skin_.whole) || !settings_.only.empty()) return;
     std::string names;
     for (const std::string& name : roots) names += (names.empty() ? "" : ", ") + name;
+    const std::string advice = roots.size() > most_named_roots
+                                   ? "name joints in skeleton.simulated, or lower skeleton.least_share"
+                                   : "set skeleton.simulated = [" + names + "], or name joints below";
     choice_.warning = base::percent_text(area / skin_.whole) +
                       " of the skin follows the skeleton because the joints there are too small to be bones: "
                       "each moves less than " +
                       base::percent_text(settings_.least_share) +
-                      " of the skin (skeleton.least_share); if it is flesh, set skeleton.simulated = [" +
-                      names + "], or name joints below";
+                      " of the skin (skeleton.least_share); if it is flesh, " + advice;
   }
 
   // "bone: its skin closes around it (open 0.12); moves 4.1 % of the skin; ..."

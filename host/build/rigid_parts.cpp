@@ -24,8 +24,8 @@ namespace {
 
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
-// A part that is thinner than this share of its extent is flat.
-constexpr double flat_share = 0.02;
+// A flat part is thinner than the first share of its extent, and at least as wide as the second.
+constexpr double flat_share = 0.02, least_width = 0.1;
 // A hard part's weights are all but equal; with more rows than this it moves by their mean.
 constexpr std::size_t most_rows_of_hard = 1000;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
@@ -103,9 +103,37 @@ bool is_flat(const std::vector<Vector3d>& place, const Part& part) {
   };
   const Vector3d along = farthest([](const Vector3d& d) { return d.norm(); });
   const Vector3d aside = farthest([&](const Vector3d& d) { return along.cross(d).norm(); });
+  if (!(along.cross(aside).norm() >= least_width * along.squaredNorm())) return false;
   const Vector3d normal = along.cross(aside).normalized();
   const Vector3d out = farthest([&](const Vector3d& d) { return std::abs(normal.dot(d)); });
   return std::abs(normal.dot(out)) <= flat_share * along.norm();
+}
+
+// Floors and walls: flat parts of one joint, each more than a quarter of the skin without larger ones.
+struct Floors {
+  std::vector<char> is_floor;  // per part
+  double rest = 0.0;           // area of the other parts, m^2
+};
+Floors floors_among(const std::vector<Part>& parts, const std::vector<Vector3d>& place,
+                    const std::vector<char>& simulated) {
+  Floors floors{std::vector<char>(parts.size(), 0), 0.0};
+  std::vector<std::size_t> by_area(parts.size());
+  std::iota(by_area.begin(), by_area.end(), std::size_t{0});
+  std::stable_sort(by_area.begin(), by_area.end(),
+                   [&](std::size_t a, std::size_t b) { return parts[a].area > parts[b].area; });
+  for (const Part& part : parts) floors.rest += part.area;
+  std::size_t count = 0;
+  for (const std::size_t k : by_area) {
+    const Part& part = parts[k];
+    if (!(part.area > largest_rigid_share * floors.rest)) break;
+    if (!part.is_hard || simulated[part.main_joint()] || !is_flat(place, part)) continue;
+    floors.is_floor[k] = 1;
+    floors.rest -= part.area;
+    ++count;
+  }
+  // Nothing but sheets is no body on a floor.
+  if (count == parts.size()) floors = {std::vector<char>(parts.size(), 0), 0.0};
+  return floors;
 }
 
 std::vector<Part> connected_parts_of(const mesh::SurfaceMesh& surface, const SkinWeights& weights) {
@@ -229,24 +257,25 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   const std::vector<char> simulated = with_all_below(character, scene.skeleton.simulated);
   const std::vector<Part> parts = connected_parts_of(welded.surface, weights);
   const bool all_hard = is_robot(parts);
-  double all_area = 0.0, whole = 0.0;
+  double all_area = 0.0;
   for (const Part& part : parts) all_area += part.area;
-  // A floor below the body says nothing about the body's own parts.
-  const auto is_floor = [&](const Part& part) {
-    return parts.size() > 1 && part.is_hard && part.area > largest_rigid_share * all_area &&
-           !simulated[part.main_joint()] && is_flat(welded.surface.vertices, part);
-  };
-  for (const Part& part : parts) whole += is_floor(part) ? 0.0 : part.area;
+  const Floors floors = all_hard ? Floors{std::vector<char>(parts.size(), 0), 0.0}
+                                 : floors_among(parts, welded.surface.vertices, simulated);
+  // Where floors are most of the skin, they say nothing about the rest of it.
+  const bool is_on_floors = floors.rest > 0.0 && floors.rest < all_area / 2.0;
+  const double whole = is_on_floors ? floors.rest : all_area;
   std::vector<SharedRow> shared;
-  for (const Part& part : parts) {
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const Part& part = parts[k];
+    const bool is_floor = floors.is_floor[k] != 0;
     const std::uint32_t joint = part.main_joint();
     const auto every = [](std::uint32_t) { return true; };
     const auto is_asked = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };
     const std::size_t asked =
         static_cast<std::size_t>(std::count_if(part.vertices.begin(), part.vertices.end(), is_asked));
     const bool is_found =
-        is_floor(part) || (parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
-                           (all_hard || part.area <= largest_rigid_share * whole));
+        is_floor || (parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
+                     (all_hard || part.area <= largest_rigid_share * whole));
     if (asked == 0 && !is_found) continue;
     const bool is_whole = is_found || asked == part.vertices.size();
     RigidReport report{name_of_vertex(character, first_of[part.vertices.front()]),
@@ -256,7 +285,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
       report.reason = "requested";
     else if (!is_found)
       report.reason = "requested; the rest of its part is soft";
-    else if (!all_hard && is_floor(part))
+    else if (is_floor)
       report.reason = "a separate part that is large and flat, moved by one joint";
     else if (all_hard)
       report.reason = "each part is moved by a single joint: a robot, which has no flesh";
@@ -266,13 +295,18 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
                       std::string(", ") + base::percent_text(part.area / whole) + " of the skin";
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
+    const bool is_beside = (is_floor && is_on_floors) ||
+                           (asked == part.vertices.size() && part.area > largest_rigid_share * all_area);
     for (const std::uint32_t v : part.vertices) {
       rigid.is_rigid[v] = rigid.is_apart[v] = 1;
-      rigid.is_beside[v] = !all_hard && (asked == part.vertices.size() || is_floor(part)) ? 1 : 0;
+      rigid.is_beside[v] = is_beside ? 1 : 0;
     }
     if (follows_mean(weights, part)) shared.push_back({part.vertices, {part.mean.begin(), part.mean.end()}});
   }
   rigid.weights = with_shared_rows(weights, shared);
+  // Bones need some skin.
+  if (std::all_of(rigid.is_beside.begin(), rigid.is_beside.end(), [](char is) { return is != 0; }))
+    rigid.is_beside.assign(rigid.is_beside.size(), 0);
   for (const Part& inlay : inlays_of(character, welded, weights)) {
     const std::uint32_t joint = inlay.main_joint();
     const auto is_rigid = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };

@@ -405,6 +405,44 @@ TEST(RigidParts, AFloorIsRigidAndHidesNoBone) {
   }
 }
 
+// A floor of many triangles takes no more time for each of them. Walls that are large only without the floor
+// are rigid, too, and so is a hard part of the body that is small next to all of it.
+TEST(RigidParts, AFloorMayBeFineAndHaveWalls) {
+  constexpr std::uint32_t across = 300;
+  Piece fine{{}, {0, -0.5, 0}, {{pelvis, 1.0}}, "Floor", "Stone"};
+  for (std::uint32_t x = 0; x <= across; ++x)
+    for (std::uint32_t z = 0; z <= across; ++z)
+      fine.surface.vertices.emplace_back(0.02 * x - 3.0, 0.0, 0.02 * z - 3.0);
+  for (std::uint32_t x = 0; x < across; ++x)
+    for (std::uint32_t z = 0; z < across; ++z) {
+      const std::uint32_t a = x * (across + 1) + z, b = a + across + 1;
+      fine.surface.triangles.push_back({a, a + 1, b + 1});
+      fine.surface.triangles.push_back({a, b + 1, b});
+    }
+  Piece wall = floor(1.0, 1.0, pelvis);
+  for (Vector3d& p : wall.surface.vertices) p = p.cwiseProduct(Vector3d(6.0, 2.5, 0.01));
+  wall.place = {0, 1.0, -3.0};
+  const scene::Scene scene = scene_of(trunk_with({plate(), fine, wall}));
+  EXPECT_EQ(count_rigid(scene), fine.surface.vertices.size() + 2 * plate().surface.vertices.size());
+}
+
+// The control: a rod is no floor, however thin.
+TEST(RigidParts, ARodIsNoFloor) {
+  Piece rod = floor(1.0, 1.0, pelvis);
+  for (Vector3d& p : rod.surface.vertices) p = p.cwiseProduct(Vector3d(60.0, 0.5, 0.5));
+  EXPECT_EQ(count_rigid(scene_of(trunk_with({rod}))), 0u);
+}
+
+// A small part that was requested has the bones that it would have had if it had been found.
+TEST(RigidParts, ASmallPartThatIsAskedForKeepsItsBones) {
+  scene::Scene scene = scene_of(trunk_with({plate()}));
+  const std::vector<build::Bone> found = bones_of(scene);
+  scene.skeleton.rigid = {"Plate"};
+  const std::vector<build::Bone> asked = bones_of(scene);
+  ASSERT_EQ(asked.size(), found.size());
+  for (std::size_t k = 0; k < asked.size(); ++k) EXPECT_EQ(asked[k].to, found[k].to);
+}
+
 // The controls: a block is no floor, and what is asked for is left out whatever its shape.
 TEST(RigidParts, ABlockIsLeftOutOfTheChoiceOfBonesIfItIsAskedFor) {
   const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
