@@ -2,9 +2,9 @@
 // thighs, an arm and the chest, two fingers.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "host/build/body.h"
@@ -47,14 +47,19 @@ class Limbs {
     std::uint32_t joint;
     double weight;
 
-    auto operator<=>(const Share&) const = default;
+    bool operator==(const Share&) const = default;
+    bool operator<(const Share& other) const {
+      return std::tie(joint, weight) < std::tie(other.joint, other.weight);
+    }
   };
   // The weights of a set of triangles: their mean, and those of each that differ.
   struct Kind {
     std::vector<Share> mean;
     std::vector<std::vector<Share>> each;  // ascending
 
-    auto operator<=>(const Kind&) const = default;
+    bool operator<(const Kind& other) const {
+      return std::tie(mean, each) < std::tie(other.mean, other.each);
+    }
   };
   // A set of triangles to compare with many others.
   struct Patch {
