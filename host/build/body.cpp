@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "host/build/bar.h"
 #include "host/build/bone_choice.h"
@@ -16,6 +18,7 @@
 #include "host/build/rigid_parts.h"
 #include "host/build/skin_weights.h"
 #include "host/build/thin_props.h"
+#include "host/build/unions.h"
 #include "host/build/weld.h"
 
 namespace fascicle::build {
@@ -67,11 +70,36 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
+// Per vertex: whether it is on a part of the surface with less than a tenth of the area of the largest part.
+std::vector<char> is_on_small_part(const mesh::SurfaceMesh& surface) {
+  Unions parts(surface.vertices.size());
+  for (const auto& t : surface.triangles) parts.join(t[0], t[1]), parts.join(t[0], t[2]);
+  std::vector<double> area(surface.vertices.size(), 0.0);  // at the root of each part, m^2
+  for (const auto& t : surface.triangles) {
+    const Vector3d& a = surface.vertices[t[0]];
+    area[parts.find(t[0])] += (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm() / 2.0;
+  }
+  const double largest = area.empty() ? 0.0 : *std::max_element(area.begin(), area.end());
+  std::vector<char> is_small;
+  for (std::uint32_t v = 0; v < surface.vertices.size(); ++v)
+    is_small.push_back(area[parts.find(v)] < 0.1 * largest ? 1 : 0);
+  return is_small;
+}
+
 BoneChoice choose_bones_beside(const rig::Character& character, const WeldedSurface& welded,
                                const RigidSkin& rigid, const scene::Scene& scene) {
-  std::vector<char> is_left_out;
-  for (const std::uint32_t v : welded.of_vertex) is_left_out.push_back(rigid.is_beside[v]);
-  return choose_bones(character, scene.skeleton, scene.scale, scene.source, is_left_out);
+  const auto chosen_without = [&](const auto& is_beside) {
+    std::vector<char> is_left_out;
+    for (const std::uint32_t v : welded.of_vertex) is_left_out.push_back(is_beside(v) ? 1 : 0);
+    return choose_bones(character, scene.skeleton, scene.scale, scene.source, is_left_out);
+  };
+  BoneChoice choice = chosen_without([&](std::uint32_t v) { return rigid.is_beside[v] != 0; });
+  if (!choice.bones.empty()) return choice;
+  // Hair of many soft strips may be most of the skin, so that no joint of the body moves enough of it.
+  const std::vector<char> is_small = is_on_small_part(welded.surface);
+  BoneChoice of_body =
+      chosen_without([&](std::uint32_t v) { return rigid.is_beside[v] != 0 || is_small[v] != 0; });
+  return of_body.bones.empty() ? choice : of_body;
 }
 
 // Fills all parts of a prop: it pushes by its tetrahedra.

@@ -264,6 +264,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   // Where floors are most of the skin, they say nothing about the rest of it.
   const bool is_on_floors = floors.rest > 0.0 && floors.rest < all_area / 2.0;
   const double whole = is_on_floors ? floors.rest : all_area;
+  double beside = 0.0, apart = 0.0;  // areas of rigid parts that are beside and that are not, m^2
   std::vector<SharedRow> shared;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Part& part = parts[k];
@@ -297,6 +298,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     if (!is_whole) continue;
     const bool is_beside = (is_floor && is_on_floors) ||
                            (asked == part.vertices.size() && part.area > largest_rigid_share * all_area);
+    (is_beside ? beside : apart) += part.area;
     for (const std::uint32_t v : part.vertices) {
       rigid.is_rigid[v] = rigid.is_apart[v] = 1;
       rigid.is_beside[v] = is_beside ? 1 : 0;
@@ -304,6 +306,8 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     if (follows_mean(weights, part)) shared.push_back({part.vertices, {part.mean.begin(), part.mean.end()}});
   }
   rigid.weights = with_shared_rows(weights, shared);
+  // Small parts, such as strips of hair, hide bones where they are most of the skin together.
+  if (!all_hard && apart > (all_area - beside) / 2.0) rigid.is_beside = rigid.is_apart;
   // Bones need some skin.
   if (std::all_of(rigid.is_beside.begin(), rigid.is_beside.end(), [](char is) { return is != 0; }))
     rigid.is_beside.assign(rigid.is_beside.size(), 0);

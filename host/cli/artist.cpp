@@ -97,7 +97,10 @@ class Survey {
  public:
   Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const RenderArguments& arguments,
          std::span<const std::uint64_t> shown)
-      : frames_(frames), drawing_(drawing), arguments_(arguments) {
+      : frames_(frames),
+        drawing_(drawing),
+        arguments_(arguments),
+        is_beside_(render::is_of_surroundings(frames.model())) {
     std::vector<std::uint64_t> numbers(shown.begin(), shown.end());
     if (numbers.empty()) numbers = survey_frames(frames.count());
     // The boxes are needed to clamp flesh and to choose the camera.
@@ -107,7 +110,9 @@ class Survey {
       if (needs_boxes || arguments.follow.value_or(false)) {
         const std::vector<float> points = framed_points(frames, drawing, arguments, k);
         one.middle = center_of(points);
-        each(points, Eigen::Vector3d::Zero(), [&](const Eigen::Vector3d& p) { one.box.extend(p); });
+        each(points, Eigen::Vector3d::Zero(), [&](const Eigen::Vector3d& p, bool is_beside) {
+          if (!is_beside) one.box.extend(p);
+        });
       }
       shown_.push_back(one);
     }
@@ -134,15 +139,17 @@ class Survey {
     return gain;
   }
 
-  // Visits the flesh. With --compare, also visits the skinned surface, and clamps flesh to a quarter of the
-  // body beyond that, so that one stray vertex does not shrink everything else to a dot.
+  // Visits the flesh, with whether a point is of the surroundings. With --compare, also visits the skinned
+  // surface, and clamps flesh to a quarter of the body beyond that, so that one stray vertex does not shrink
+  // everything else to a dot.
   template <class Visit>
   void visit(Visit visit) const {
     for (const Shown& one : shown_) {
       const Eigen::Vector3d from = way(one);
       const std::vector<float> points = drawn_points(frames_, drawing_, one.frame);
-      each(points, from, [&](const Eigen::Vector3d& p) {
-        visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p);
+      each(points, from, [&](const Eigen::Vector3d& p, bool is_beside) {
+        visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p,
+              is_beside);
       });
       if (!arguments_.compare) continue;
       const std::vector<float> skinned = frames_.skinned_surface(one.frame);
@@ -161,9 +168,13 @@ class Survey {
     return follows_ ? one.middle : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
 
+  // `positions`: of the render mesh, or of the model's vertices, of which all are the body.
   template <class Visit>
-  static void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) {
-    for (std::size_t i = 0; i < positions.size() / 3; ++i) visit(Eigen::Vector3d(point(positions, i) - from));
+  void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) const {
+    const std::size_t count = positions.size() / 3;
+    const bool has_surroundings = count == is_beside_.size();
+    for (std::size_t i = 0; i < count; ++i)
+      visit(Eigen::Vector3d(point(positions, i) - from), has_surroundings && is_beside_[i] != 0);
   }
 
   // Visits the corners of the frame's box as the camera sees them.
@@ -181,6 +192,7 @@ class Survey {
   DrawnFrames& frames_;
   const render::BodyDrawing& drawing_;
   const RenderArguments& arguments_;
+  std::vector<char> is_beside_;  // per render vertex: of the surroundings
   std::vector<Shown> shown_;
   bool follows_ = false;
   Eigen::AlignedBox3d box_;
@@ -196,10 +208,11 @@ Extent extent_of(const Survey& survey, const render::View& view) {
   const Eigen::Matrix3d axes = render::camera_axes(view);
   Eigen::AlignedBox3d box, world;
   double lowest = std::numeric_limits<double>::infinity();
-  survey.visit([&](const Eigen::Vector3d& p) {
+  survey.visit([&](const Eigen::Vector3d& p, bool is_beside) {
+    lowest = std::min(lowest, p.y());
+    if (is_beside) return;
     box.extend(Eigen::Vector3d(axes * p));
     world.extend(p);
-    lowest = std::min(lowest, p.y());
   });
   const Eigen::Vector3d sizes = box.sizes();
   return {lowest, world, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
@@ -336,7 +349,9 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   const Size size =
       arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
   render::CameraFit fit(view, size.width, size.height);
-  survey.visit([&](const Eigen::Vector3d& p) { fit.include(p); });
+  survey.visit([&](const Eigen::Vector3d& p, bool is_beside) {
+    if (!is_beside) fit.include(p);
+  });
   camera_ = fit.camera(arguments.zoom);
   backdrop_.ground = extent.lowest;
   why_no_solids_ = why_solids_are_unknown(frames);

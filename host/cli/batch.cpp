@@ -156,6 +156,10 @@ ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
   FarmBatch batch = farm_batch(arguments);
   const fs::path written = (fs::absolute(arguments.output) / "").lexically_normal().parent_path();
   const bool is_slurm = arguments.emit == "slurm";
+  if (is_slurm)
+    refuse_others_slurm_files(written);
+  else
+    refuse_others_template(written);
   if (is_slurm && was_submitted(written) && !arguments.many.resume)
     throw UsageError(arguments.output +
                      ": was already submitted to Slurm; --resume rewrites it for what is not done");

@@ -68,6 +68,18 @@ BatchPlan find_plan(const fs::path& path) {
   return plan;
 }
 
+bool holds_plan(const fs::path& folder) {
+  if (!fs::exists(folder / plan_file)) return false;
+  try {
+    read_plan(folder);
+    return true;
+  } catch (const base::BakeError&) {
+    return false;
+  } catch (const base::SceneError&) {
+    return false;
+  }
+}
+
 void refuse_path_not_utf8(const fs::path& path) {
   const std::string text = path.string();
   for (std::string_view rest = text; !rest.empty();)

@@ -23,6 +23,9 @@ struct BatchPlan {
 // neither, scene::SceneError if the list cannot be read.
 BatchPlan find_plan(const std::filesystem::path& path);
 
+// Whether the folder has a plan.json that can be read.
+bool holds_plan(const std::filesystem::path& folder);
+
 // Throws UsageError for a path that plan.json or a template cannot hold: JSON is UTF-8.
 void refuse_path_not_utf8(const std::filesystem::path& path);
 void write_plan(const std::filesystem::path& folder, const std::filesystem::path& list,

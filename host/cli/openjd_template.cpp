@@ -18,6 +18,7 @@ using TemplateJson = nlohmann::ordered_json;
 constexpr std::size_t most_values = 1024;        // per task parameter
 constexpr std::size_t longest_job_name = 128;    // characters
 constexpr std::size_t longest_parameter = 1024;  // characters of a parameter's value
+constexpr const char* written_by = "written by `fascicle batch --emit openjd`";
 // A bake ends after its current frame; the specification allows 600.
 constexpr int seconds_to_end = 120;
 
@@ -69,6 +70,15 @@ TemplateJson bake_step(const FarmBatch& batch, const std::string& name, std::siz
 
 }  // namespace
 
+void refuse_others_template(const fs::path& file) {
+  if (!fs::exists(file)) return;
+  if (fs::is_regular_file(file) &&
+      base::read_input(file, base::most_json_bytes).find(written_by) != std::string::npos)
+    return;
+  throw UsageError(file.string() +
+                   ": --emit would replace this file, which it did not write; choose another -o");
+}
+
 void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
   const std::string extension = base::lower_extension(file);
   const bool is_yaml = extension == ".yaml" || extension == ".yml";
@@ -93,9 +103,8 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
   const TemplateJson whole{
       {"specificationVersion", "jobtemplate-2023-09"},
       {"name", name},
-      {"description",
-       "Bakes of fascicle, written by `fascicle batch --emit openjd`. A task that was canceled or "
-       "failed continues when it is run again."},
+      {"description", "Bakes of fascicle, " + std::string(written_by) +
+                          ". A task that was canceled or failed continues when it is run again."},
       {"parameterDefinitions",
        TemplateJson::array(
            {path_parameter("Fascicle", "FILE", "NONE", "The program, on the workers", batch.program),
@@ -112,11 +121,10 @@ void write_openjd_template(const fs::path& file, const FarmBatch& batch) {
              {"maxValue", 1024},
              {"description", "For a bake on a CPU"}}})},
       {"steps", steps}};
-  const std::string head =
-      is_yaml
-          ? "# An Open Job Description template of bakes, written by `fascicle batch --emit openjd`. It is\n"
-            "# JSON, which is also valid YAML 1.2.\n"
-          : "";
+  const std::string head = is_yaml
+                               ? "# An Open Job Description template of bakes, " + std::string(written_by) +
+                                     ". It is\n# JSON, which is also valid YAML 1.2.\n"
+                               : "";
   base::write_whole_beside_others(
       file, head + whole.dump(2, ' ', false, TemplateJson::error_handler_t::replace) + "\n");
 }

@@ -7,6 +7,7 @@
 #include "host/bake/folder.h"
 #include "host/base/file.h"
 #include "host/cli/batch_plan.h"
+#include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
 namespace fascicle::cli {
@@ -129,8 +130,19 @@ bool was_submitted(const fs::path& folder) {
   return fs::exists(folder / submitted_ids);
 }
 
+void refuse_others_slurm_files(const fs::path& folder) {
+  if (holds_plan(folder)) return;
+  for (const char* name :
+       {plan_file, "tasks", "array.sbatch", "merge.sbatch", submit_script, submitted_ids, "report.txt"})
+    if (fs::exists(fs::symlink_status(folder / name)))
+      throw UsageError((folder / name).string() +
+                       ": --emit would replace this file, which it did not write; give another folder");
+}
+
 void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::string& options) {
   bake::make_folder(folder);
+  // The plan comes first: it marks the folder as ours.
+  write_plan(folder, batch.list, batch.jobs);
   // Left over from an earlier batch.
   fs::remove(folder / submitted_ids);
   fs::remove(folder / "report.txt");
@@ -140,7 +152,6 @@ void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::
     tasks += "\n";
   }
   base::write_whole(folder / "tasks", tasks);
-  write_plan(folder, batch.list, batch.jobs);
   base::write_whole(folder / "array.sbatch", array_script(folder, batch, options));
   base::write_whole(folder / "merge.sbatch", merge_script(folder, batch, options));
   base::write_whole(folder / submit_script, submit_text(folder));

@@ -11,6 +11,10 @@ namespace fascicle::cli {
 // Whether the folder's batch has already been submitted.
 bool was_submitted(const std::filesystem::path& folder);
 
+// Throws UsageError if the folder holds a file of one of those names below that an earlier batch did not
+// write.
+void refuse_others_slurm_files(const std::filesystem::path& folder);
+
 // Writes array.sbatch, merge.sbatch, submit, tasks and plan.json. `options` are the user's options for
 // sbatch; they override ours.
 void write_slurm_job(const std::filesystem::path& folder, const FarmBatch& batch, const std::string& options);

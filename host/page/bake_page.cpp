@@ -28,6 +28,7 @@
 #include "host/page/page_looks.h"
 #include "host/page/range_encoder.h"
 #include "host/render/colour.h"
+#include "host/render/model_surface.h"
 
 namespace fascicle::page {
 
@@ -203,6 +204,7 @@ class BakePage {
   Grid grid_;
   std::vector<std::vector<Cell>> flesh_cells_, ghost_cells_;
   std::uint32_t places_ = 0;
+  std::vector<std::uint32_t> surroundings_;  // places, ascending
   std::uint64_t steps_ = 0, steps_done_ = 0;
   PageResult result_;
 };
@@ -280,6 +282,11 @@ std::optional<std::string> BakePage::code() {
     point = std::move(in_order);
     for (std::uint32_t& p : place) p = at[p];
   }
+  if (!surface_.is_tetrahedra) {
+    const std::vector<char> is_beside = render::is_of_surroundings(bake_.model());
+    for (std::uint32_t p = 0; p < places_; ++p)
+      if (is_beside[used_.source[point[p]]] != 0) surroundings_.push_back(p);
+  }
 
   RangeEncoder to;
   std::size_t context = 0;
@@ -354,6 +361,7 @@ ordered_json BakePage::description() const {
   json["origin"] = grid_.origin;
   json["step"] = grid_.step;
   json["places"] = places_;
+  json["surroundings"] = surroundings_;
   json["vertices"] = surface_.source.size();
   json["triangles"] = surface_.triangles.size();
   json["ghost"] = ghost_.size() > 1 || !bake_.character().empty() ? "skinning" : "rest shape";

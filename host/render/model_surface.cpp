@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -66,6 +67,25 @@ std::vector<std::uint32_t> first_at_same_place(const Model& model) {
     result.push_back(first.try_emplace({place.x(), place.y(), place.z()}, s).first->second);
   }
   return result;
+}
+
+// Sheets are at most this thick and at least this wide, as shares of their length. Surroundings are larger
+// than the rest by this factor: a banner that is as tall as its bearer is part of the picture.
+constexpr double flat_share = 0.02, least_width = 0.1;
+constexpr float least_surroundings = 1.5f;
+
+// A sheet, not a rod: by the spread of its vertices along its principal axes.
+bool is_flat(const Model& model, std::span<const std::uint32_t> vertices) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::uint32_t s : vertices) sum += surface_rest(model, s).cast<double>();
+  const Eigen::Vector3d middle = sum / static_cast<double>(vertices.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t s : vertices) {
+    const Eigen::Vector3d d = surface_rest(model, s).cast<double>() - middle;
+    spread += d * d.transpose();
+  }
+  const Eigen::Vector3d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
+  return along[0] <= flat_share * flat_share * along[2] && along[1] >= least_width * least_width * along[2];
 }
 
 // An edge where the rest shape bends by more than this is a sharp edge, like those of a box.
@@ -155,6 +175,46 @@ std::vector<OuterFace> outer_faces(const Model& model, const std::optional<Clip>
     k = end;
   }
   return faces;
+}
+
+std::vector<char> is_of_surroundings(const Model& model) {
+  struct Part {
+    std::vector<std::uint32_t> vertices;
+    Eigen::AlignedBox3f box;
+    bool follows = true;  // the skeleton moves every vertex
+  };
+  const std::uint32_t count = model.surface_count();
+  std::vector<std::uint32_t> parent = first_at_same_place(model);
+  const auto root = [&parent](std::uint32_t k) {
+    while (parent[k] != k) k = parent[k] = parent[parent[k]];
+    return k;
+  };
+  for (std::size_t k = 0; k < model.surface_triangle.size(); ++k)
+    parent[root(model.surface_triangle[k])] = root(model.surface_triangle[k - k % 3]);
+  std::map<std::uint32_t, Part> of_root;
+  for (std::uint32_t s = 0; s < count; ++s) {
+    Part& part = of_root[root(s)];
+    part.vertices.push_back(s);
+    part.box.extend(surface_rest(model, s));
+    for (std::size_t c = 0; c < 4; ++c)
+      part.follows = part.follows && model.is_kinematic(model.surface_vertex[std::size_t{4} * s + c]);
+  }
+  std::vector<const Part*> by_size;
+  for (const auto& [first, part] : of_root) by_size.push_back(&part);
+  const auto size = [](const Part* part) { return part->box.diagonal().norm(); };
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](const Part* a, const Part* b) { return size(a) > size(b); });
+  // The boxes of what is smaller than each part.
+  std::vector<Eigen::AlignedBox3f> rest(by_size.size());
+  for (std::size_t k = by_size.size(); k-- > 1;) rest[k - 1] = rest[k].merged(by_size[k]->box);
+  std::vector<char> result(count, 0);
+  for (std::size_t k = 0; k + 1 < by_size.size(); ++k) {
+    const Part& part = *by_size[k];
+    if (!part.follows || !(size(&part) > least_surroundings * rest[k].diagonal().norm())) break;
+    if (!is_flat(model, part.vertices)) break;
+    for (const std::uint32_t s : part.vertices) result[s] = 1;
+  }
+  return result;
 }
 
 std::uint32_t layer_of_surface_vertex(const Model& model, std::uint32_t s) {

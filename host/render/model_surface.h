@@ -35,6 +35,11 @@ struct OuterFace {
 // The outer faces of the tetrahedra that a clip leaves.
 std::vector<OuterFace> outer_faces(const model::Model& model, const std::optional<Clip>& clip = {});
 
+// Per render vertex: whether it is of the surroundings: floors and walls in the character's file, flat
+// separate parts that only the skeleton moves and that are larger than all the rest. Pictures that fit them
+// would show the body as a dot.
+std::vector<char> is_of_surroundings(const model::Model& model);
+
 // The layer with the largest share of a render vertex.
 std::uint32_t layer_of_surface_vertex(const model::Model& model, std::uint32_t s);
 // The layer of most corners of a tetrahedron; in a tie, the lowest.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "host/gltf/gltf_looks.h"
 #include "host/gltf/gltf_rig.h"
 #include "host/render/colour.h"
+#include "host/render/model_surface.h"
 #include "host/scene/solids.h"
 #include "host/studio/wire.h"
 
@@ -74,6 +76,13 @@ std::vector<float> surface_rest(const model::Model& model) {
     for (const double x : place) places.push_back(static_cast<float>(x));
   }
   return places;
+}
+
+// One per render vertex; empty if the body has no surroundings.
+std::vector<std::uint8_t> surroundings(const model::Model& model) {
+  const std::vector<char> is_beside = render::is_of_surroundings(model);
+  if (std::count(is_beside.begin(), is_beside.end(), 1) == 0) return {};
+  return {is_beside.begin(), is_beside.end()};
 }
 
 std::vector<std::uint8_t> surface_layers(const model::Model& model) {
@@ -249,6 +258,7 @@ std::vector<ArrayMessage> array_messages(const BodyParts& parts, const BodyLooks
     add("surface.rest", surface_rest(model));
     add("surface.triangle", model.surface_triangle);
     add("surface.layer", surface_layers(model));
+    add_where_there("surface.surroundings", surroundings(model));
     add_where_there("surface.material", looks.material);
     add_where_there("surface.uv", looks.uvs);
     add_where_there("surface.colour", looks.colours);
@@ -320,17 +330,30 @@ std::vector<ArrayMessage> shape_messages(const model::Model& model, const std::s
   return all;
 }
 
+// Of the rest shape without its surroundings, m.
+std::pair<std::array<double, 3>, std::array<double, 3>> bounds_of(const model::Model& model) {
+  std::vector<char> carries_surroundings(model.vertex_count, 0);
+  const std::vector<std::uint8_t> is_beside = surroundings(model);
+  for (std::size_t s = 0; s < is_beside.size(); ++s)
+    for (std::size_t c = 0; c < 4 && is_beside[s] != 0; ++c)
+      carries_surroundings[model.surface_vertex[4 * s + c]] = 1;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (carries_surroundings[i] != 0) continue;
+    const std::array<double, 3> place = rest_place(model, i);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], place[a]);
+      high[a] = std::max(high[a], place[a]);
+    }
+  }
+  return {low, high};
+}
+
 Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t body,
                const std::vector<ArrayMessage>& arrays) {
   const model::Model& model = parts.model;
-  std::array<double, 3> low{}, high{};
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    const std::array<double, 3> place = rest_place(model, i);
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = i == 0 ? place[a] : std::min(low[a], place[a]);
-      high[a] = i == 0 ? place[a] : std::max(high[a], place[a]);
-    }
-  }
+  const auto [low, high] = bounds_of(model);
   Json muscles = Json::array(), probes = Json::array(), names = Json::array();
   for (std::uint32_t m = 0; m < model.muscle_count; ++m)
     muscles.push_back(

@@ -443,6 +443,54 @@ TEST(RigidParts, ASmallPartThatIsAskedForKeepsItsBones) {
   for (std::size_t k = 0; k < asked.size(); ++k) EXPECT_EQ(asked[k].to, found[k].to);
 }
 
+// Hair of many strips is more skin than the body has. Each strip is rigid, and together they hide no bone.
+TEST(RigidParts, HairThatIsMostOfTheSkinHidesNoBone) {
+  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
+  ASSERT_FALSE(alone.empty());
+  std::vector<Piece> hair;
+  for (int k = 0; k < 300; ++k) {
+    Piece strip{cube_surface(1.0), {0.013 * (k % 20), 0.8, 0.017 * (k / 20)}, {{chest, 1.0}}, "Hair", "Hair"};
+    for (Vector3d& p : strip.surface.vertices) p = p.cwiseProduct(Vector3d(0.002, 0.5, 0.05));
+    hair.push_back(strip);
+  }
+  const scene::Scene scene = scene_of(trunk_with(hair));
+  EXPECT_EQ(count_rigid(scene), 300u * 8u);
+  const std::vector<build::Bone> bones = bones_of(scene);
+  ASSERT_EQ(bones.size(), alone.size());
+  for (std::size_t k = 0; k < bones.size(); ++k) {
+    EXPECT_EQ(bones[k].from, alone[k].from);
+    EXPECT_EQ(bones[k].to, alone[k].to);
+  }
+}
+
+// Soft strips of hair are flesh. They are open and face one way, so that no joint seems to move a limb; the
+// body alone has its bones.
+TEST(RigidParts, SoftHairThatIsMostOfTheSkinHidesNoBone) {
+  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
+  ASSERT_FALSE(alone.empty());
+  rig::Character character = trunk_with({});
+  for (int k = 0; k < 300; ++k) {
+    const double x = 0.013 * (k % 20) - 0.1, z = trunk_radius + 0.003 * (k / 20);
+    const Piece strip{
+        {{{x, 1.3, z}, {x + 0.05, 1.3, z}, {x, 0.5, z}, {x + 0.05, 0.5, z}}, {{0, 2, 1}, {1, 2, 3}}},
+        Vector3d::Zero(),
+        {{plate_joint, 1.0}},
+        "Hair",
+        "Hair"};
+    add(character, strip);
+    for (std::size_t v = character.weights.size() - 4; v + 2 < character.weights.size(); ++v) {
+      character.joints[v] = {plate_joint, chest};
+      character.weights[v] = {0.5, 0.5};
+    }
+  }
+  const scene::Scene scene = scene_of(character);
+  EXPECT_EQ(count_rigid(scene), 0U);
+  EXPECT_TRUE(build::choose_bones(character, scene.skeleton, 1.0, "").bones.empty()) << "the control";
+  const std::vector<build::Bone> bones = bones_of(scene);
+  ASSERT_EQ(bones.size(), alone.size());
+  for (std::size_t k = 0; k < bones.size(); ++k) EXPECT_EQ(bones[k].to, alone[k].to);
+}
+
 // The controls: a block is no floor, and what is asked for is left out whatever its shape.
 TEST(RigidParts, ABlockIsLeftOutOfTheChoiceOfBonesIfItIsAskedFor) {
   const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));

@@ -375,9 +375,8 @@ TEST(Bake, AMotionThatBeginsLateIsTold) {
   FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
   const std::string man = asset("CesiumMan.glb").string();
   const auto said = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> command{"bake", man,         "--device",
-                                     "cpu",  "--dry-run", "--end",
-                                     "0.3",  "--set",     "motion.acceleration_limit=150"};
+    std::vector<std::string> command{"bake", man, "--device=cpu", "--dry-run", "--end=0.3"};
+    command.insert(command.end(), {"--resolution=800", "--set=motion.acceleration_limit=150"});
     command.insert(command.end(), more.begin(), more.end());
     return fascicle(command).err;
   };

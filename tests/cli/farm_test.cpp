@@ -310,6 +310,29 @@ TEST(BatchFarm, RefusesWhatItCannotHandOver) {
   EXPECT_FALSE(fs::exists(farm.job() + "/submitted"));
 }
 
+TEST(BatchFarm, ReplacesNoFileThatIsNotItsOwn) {
+  const Farm farm;
+  fs::create_directory(farm.job());
+  for (const char* name : {"tasks", "submit", "submitted", "report.txt", "plan.json"}) {
+    SCOPED_TRACE(name);
+    write_text(fs::path(farm.job()) / name, "mine");
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--dry-run"}, {"--resume"}}) {
+      const Outcome outcome = emit(farm, more);
+      EXPECT_EQ(outcome.status, 2) << outcome.err;
+      EXPECT_TRUE(contains(outcome.err, std::string("/") + name + ": --emit would replace")) << outcome.err;
+    }
+    EXPECT_EQ(read_text(fs::path(farm.job()) / name), "mine");
+    fs::remove(fs::path(farm.job()) / name);
+  }
+  // Other files may stay, and its own are written again.
+  write_text(farm.job() + "/notes.txt", "mine");
+  EXPECT_EQ(emit(farm).status, 0);
+  write_text(farm.job() + "/report.txt", "of status --merge");
+  EXPECT_EQ(emit(farm).status, 0);
+  EXPECT_FALSE(fs::exists(farm.job() + "/report.txt"));
+  EXPECT_EQ(read_text(farm.job() + "/notes.txt"), "mine");
+}
+
 // plan.json and templates are UTF-8, so tasks and status would look in another folder.
 TEST(BatchFarm, RefusesPathsThatAreNotUtf8) {
   const Farm farm;

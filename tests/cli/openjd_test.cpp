@@ -286,6 +286,23 @@ TEST(OpenJd, TasksBakeAndSayHowFarTheyAre) {
   EXPECT_TRUE(fs::exists(folder.path() / "a farm's {{Param.Jobs}}/out/batch.json"));
 }
 
+TEST(OpenJd, ReplacesNoFileThatIsNotItsOwn) {
+  const TemporaryFolder folder;
+  write_text(folder / "jobs.toml", "[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n");
+  for (const char* name : {"template.json", "template.yaml"}) {
+    const std::vector<std::string> command{"batch", folder / "jobs.toml", "--emit", "openjd",
+                                           "-o",    folder / name};
+    write_text(folder / name, "{}");
+    const Outcome refused = fascicle(command);
+    EXPECT_EQ(refused.status, 2) << refused.err;
+    EXPECT_TRUE(contains(refused.err, std::string(name) + ": --emit would replace")) << refused.err;
+    EXPECT_EQ(read_text(folder / name), "{}");
+    fs::remove(folder / name);
+    EXPECT_EQ(fascicle(command).status, 0);
+    EXPECT_EQ(fascicle(command).status, 0) << "its own";
+  }
+}
+
 // A task begins in a folder that the farm chooses.
 TEST(OpenJd, RefusesFilesThatATaskWouldNotFind) {
   const TemporaryFolder folder;

@@ -19,6 +19,7 @@
 #include "host/formats/surface.h"
 #include "host/page/base64.h"
 #include "tests/cli/changed_glb.h"
+#include "tests/cli/nodding_body.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -391,6 +392,41 @@ TEST_F(RenderOfATraveller, IsShownWithItsPathIfThatIsShort) {
   EXPECT_FALSE(contains(said_, "follow")) << said_;
   EXPECT_TRUE(picture({"--no-follow"}) == chosen);
   EXPECT_FALSE(picture({"--follow"}) == chosen);
+}
+
+// A man on a floor of 20 m, and his picture without it.
+TEST(RenderOnAFloor, ShowsTheBodyAsLargeAsWithoutIt) {
+  const TemporaryFolder folder;
+  std::vector<std::vector<std::size_t>> widths;  // of the body, in each row of its upper half
+  for (const double floor : {0.0, 10.0}) {
+    write_text(folder / "body.gltf", nodding_body(12, 10, floor));
+    const Outcome baked = fascicle({"bake", folder / "body.gltf", "-o", folder / "bake", "--overwrite",
+                                    "--end=0.1", "--resolution=300", "--device=cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--compare"}, {"--follow"}}) {
+      std::vector<std::string> command{"render",         folder / "bake", "-o",
+                                       folder / "a.png", "--overwrite",   "--size=160x160",
+                                       "--view=side",    "--tilt=0",      "--frame=0"};
+      command.insert(command.end(), more.begin(), more.end());
+      const Outcome drawn = fascicle(command);
+      ASSERT_EQ(drawn.status, 0) << drawn.err;
+      const Pixels pixels = pixels_of(folder / "a.png");
+      std::vector<std::size_t>& rows = widths.emplace_back();
+      for (unsigned y = 0; y < pixels.height / 2; ++y) {
+        rows.push_back(0);
+        for (unsigned x = 0; x < pixels.width; ++x) {
+          const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
+          rows.back() += p[0] > p[2] + 25 ? 1u : 0u;
+        }
+      }
+      EXPECT_GT(*std::max_element(rows.begin(), rows.end()), pixels.width / 8);
+    }
+  }
+  // The bodies are filled apart, so that their edges may differ by a pixel on each side.
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t y = 0; y < widths[k].size(); ++y)
+      EXPECT_NEAR(static_cast<double>(widths[k][y]), static_cast<double>(widths[k + 3][y]), 6.0)
+          << k << ", " << y;
 }
 
 struct Shown {

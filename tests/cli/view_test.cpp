@@ -1,11 +1,9 @@
 // fascicle view: a separate decoder shows that the page contains the bake; its output, and what it refuses.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,8 +12,8 @@
 
 #include "host/bake/sealed_json.h"
 #include "host/page/bake_page.h"
-#include "host/page/base64.h"
 #include "tests/cli/changed_glb.h"
+#include "tests/cli/nodding_body.h"
 #include "tests/cli/program.h"
 #include "tests/support/assets.h"
 #include "tests/support/readers.h"
@@ -123,100 +121,12 @@ TEST(View, TheErrorIsAsAskedFor) {
   EXPECT_TRUE(contains(refused.err, "less than a page can reach")) << refused.err;
 }
 
-// A glTF file of a body of revolution: rings x spokes vertices and two poles, 1.7 m high. The upper half nods
-// and turns while the whole body moves up and down.
-std::string nodding_body(std::size_t rings, std::size_t spokes) {
-  std::vector<float> positions, weights, times, turns, rises;
-  std::vector<std::uint16_t> joints;
-  std::vector<std::uint32_t> triangles;
-  const auto add = [&](double radius, double angle, double height) {
-    for (const double value : {radius * std::cos(angle), height, radius * std::sin(angle)})
-      positions.push_back(static_cast<float>(value));
-    const double upper = std::clamp((height - 0.7) / 0.3, 0.0, 1.0);
-    for (const double weight : {1.0 - upper, upper, 0.0, 0.0}) weights.push_back(static_cast<float>(weight));
-    joints.insert(joints.end(), {0, 1, 0, 0});
-  };
-  for (std::size_t ring = 0; ring < rings; ++ring) {
-    const double share = (static_cast<double>(ring) + 0.5) / static_cast<double>(rings);
-    const double radius =
-        0.28 * std::sqrt(std::sin(std::numbers::pi * share)) * (1.0 + 0.15 * std::sin(14.0 * share));
-    for (std::size_t spoke = 0; spoke < spokes; ++spoke)
-      add(radius, 2.0 * std::numbers::pi * static_cast<double>(spoke) / static_cast<double>(spokes),
-          1.7 * share);
-  }
-  add(0.0, 0.0, 0.0);
-  add(0.0, 0.0, 1.7);
-  const auto at = [&](std::size_t ring, std::size_t spoke) {
-    return static_cast<std::uint32_t>(ring * spokes + spoke % spokes);
-  };
-  const auto bottom = static_cast<std::uint32_t>(rings * spokes), top = bottom + 1;
-  for (std::size_t spoke = 0; spoke < spokes; ++spoke) {
-    for (std::size_t ring = 0; ring + 1 < rings; ++ring)
-      for (const std::uint32_t corner : {at(ring, spoke), at(ring + 1, spoke), at(ring, spoke + 1),
-                                         at(ring, spoke + 1), at(ring + 1, spoke), at(ring + 1, spoke + 1)})
-        triangles.push_back(corner);
-    for (const std::uint32_t corner :
-         {bottom, at(0, spoke), at(0, spoke + 1), top, at(rings - 1, spoke + 1), at(rings - 1, spoke)})
-      triangles.push_back(corner);
-  }
-  for (int k = 0; k <= 30; ++k) {
-    const double time = 0.05 * k, half = 0.35 * std::sin(7.0 * time), spin = 0.3 * std::sin(4.0 * time);
-    times.push_back(static_cast<float>(time));
-    // A rotation about y, then one about z.
-    for (const double value : {std::sin(half) * std::sin(spin), std::cos(half) * std::sin(spin),
-                               std::sin(half) * std::cos(spin), std::cos(half) * std::cos(spin)})
-      turns.push_back(static_cast<float>(value));
-    for (const double value : {0.0, 0.12 * std::sin(6.0 * time), 0.0})
-      rises.push_back(static_cast<float>(value));
-  }
-  const std::vector<float> binds{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,      0, 1,
-                                 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.85f, 0, 1};
-  json document{{"asset", {{"version", "2.0"}}}};
-  std::string bytes;
-  const auto put = [&](const auto& values, int component, const char* type, std::size_t width) {
-    const std::size_t offset = bytes.size(), size = values.size() * sizeof values[0];
-    bytes.append(reinterpret_cast<const char*>(values.data()), size);
-    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
-    document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
-                                     {"componentType", component},
-                                     {"type", type},
-                                     {"count", values.size() / width}});
-    return document["accessors"].size() - 1;
-  };
-  const auto position = put(positions, 5126, "VEC3", 3), weight = put(weights, 5126, "VEC4", 4),
-             joint = put(joints, 5123, "VEC4", 4), index = put(triangles, 5125, "SCALAR", 1),
-             bind = put(binds, 5126, "MAT4", 16), time = put(times, 5126, "SCALAR", 1),
-             turn = put(turns, 5126, "VEC4", 4), rise = put(rises, 5126, "VEC3", 3);
-  document["accessors"][position]["min"] = {-1, 0, -1};
-  document["accessors"][position]["max"] = {1, 1.7, 1};
-  document["accessors"][time]["min"] = {0};
-  document["accessors"][time]["max"] = {1.5};
-  document["meshes"] = {
-      {{"primitives",
-        {{{"attributes", {{"POSITION", position}, {"WEIGHTS_0", weight}, {"JOINTS_0", joint}}},
-          {"indices", index}}}}}};
-  document["nodes"] = {{{"name", "hips"}, {"children", {1}}},
-                       {{"name", "chest"}, {"translation", {0, 0.85, 0}}},
-                       {{"mesh", 0}, {"skin", 0}}};
-  document["skins"] = {{{"joints", {0, 1}}, {"inverseBindMatrices", bind}}};
-  document["scenes"] = {{{"nodes", {0, 2}}}};
-  document["scene"] = 0;
-  document["animations"] = {
-      {{"name", "nod"},
-       {"samplers", {{{"input", time}, {"output", turn}}, {{"input", time}, {"output", rise}}}},
-       {"channels",
-        {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}},
-         {{"sampler", 1}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
-  document["buffers"] = {
-      {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + page::base64(bytes)}}};
-  return document.dump();
-}
-
 // The requirement: 90 frames of 13,000 vertices below 6 MB, including three.js.
 TEST(View, NinetyFramesOfThirteenThousandVerticesAreBelowSixMegabytes) {
   const TemporaryFolder folder;
   write_text(folder / "body.gltf", nodding_body(130, 100));
-  bake_of(folder / "body.gltf", folder / "bake", {"--end", "1.5", "--fps", "60", "--resolution", "2000"});
+  bake_of(folder / "body.gltf", folder / "bake",
+          {"--end", "1.5", "--fps", "60", "--resolution", "2000", "--set", "contact.self=false"});
   const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json said = json::parse(outcome.out);
@@ -225,6 +135,19 @@ TEST(View, NinetyFramesOfThirteenThousandVerticesAreBelowSixMegabytes) {
   EXPECT_LE(said["error"].get<double>(), 1.5e-4);
   EXPECT_LT(said["bytes"].get<double>(), 6e6);
   RecordProperty("bytes", said["bytes"].dump());
+}
+
+TEST(View, NamesTheFloorThatItsCameraLeavesOut) {
+  const TemporaryFolder folder;
+  write_text(folder / "body.gltf", nodding_body(12, 10, 10.0));
+  bake_of(folder / "body.gltf", folder / "bake", {"--end", "0.1", "--resolution", "300"});
+  const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string page = read_text(folder / "page.html"), head = "id=\"bake\">";
+  const std::size_t begin = page.find(head) + head.size();
+  const json bake = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  EXPECT_EQ(bake["surroundings"].size(), 4u);
+  EXPECT_EQ(bake["places"], 12 * 10 + 2 + 4);
 }
 
 TEST(View, BadUsageAndBadInputAreToldApart) {

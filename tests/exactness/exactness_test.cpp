@@ -3,7 +3,7 @@
 // are compared with those of the release build's scalar stages on one thread.
 //
 // The cost is the lavapipe runs (8 times a CPU run each) and the code at -O0. To stay within three minutes on
-// two cores, bars run 40 frames, the largest of them 15, and characters 12; only the solver is compiled at
+// two cores, bars run 40 frames, the largest of them 15, and characters 8; only the solver is compiled at
 // -O0 and only small bodies run on it, and scenes that only add contact between bears are skipped. `do soak`
 // builds the bodies at -O0 too, and runs everything for a minute of scene time.
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int characters_frames = 12;
+constexpr int characters_frames = 8;
 
 // FASCICLE_EXACTNESS_FRAMES sets the number of frames of all runs.
 bool soaks() {

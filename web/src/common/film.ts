@@ -44,6 +44,7 @@ export interface Description {
   origin: [number, number, number];
   step: number;
   places: number;
+  surroundings: number[]; // places on floors and walls, which the camera does not fit
   vertices: number;
   triangles: number;
   ghost: "skinning" | "rest shape";

@@ -135,12 +135,16 @@ export class Picture {
     const fall = least[1] - floor;
     this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
+    const beside = arrays.get("surface.surroundings");
     middle.y -= 0.5 * fall;
     // Leaves room for motion: 1.5 times the size covers most clips, including a jump with raised arms. For a
     // falling body, both its start and its end are fitted.
     const points: number[] = [];
     for (const down of fall > 0 ? [0, fall] : [0])
-      rest.forEach((value, k) => points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3))));
+      rest.forEach((value, k) => {
+        if (beside?.[Math.floor(k / 3)]) return;
+        points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3)));
+      });
     const canvas = this.stage.canvas;
     this.stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
   }

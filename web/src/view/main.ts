@@ -29,6 +29,7 @@ class Viewer {
   private readonly stage: Stage;
   private readonly places: Float32Array;
   private readonly lag: Float32Array;
+  private readonly is_beside: Uint8Array; // 1 for a place on the surroundings
   private readonly centre: [number, number, number];
   private readonly middles: Vector3[] = []; // per frame, m from the centre
   private flesh!: Body;
@@ -45,15 +46,18 @@ class Viewer {
     this.stage = new Stage(element<HTMLCanvasElement>("picture"));
     this.places = new Float32Array(3 * description.places);
     this.lag = new Float32Array(description.places);
+    this.is_beside = new Uint8Array(description.places);
+    for (const place of description.surroundings) this.is_beside[place] = 1;
     this.film.decode_next();
     this.centre = this.middle_of(this.film.flesh[0], [0, 0, 0]);
   }
 
   private middle_of(cells: Int32Array, from: readonly number[]): [number, number, number] {
     const sum = [0, 0, 0];
-    for (let k = 0; k < cells.length; ++k) sum[k % 3] += cells[k];
-    const { origin, step, places } = this.description;
-    return [0, 1, 2].map((c) => origin[c] + (step * sum[c]) / places - from[c]) as [number, number, number];
+    for (let k = 0; k < cells.length; ++k) if (!this.is_beside[Math.floor(k / 3)]) sum[k % 3] += cells[k];
+    const { origin, step, places, surroundings } = this.description;
+    const count = places - surroundings.length;
+    return [0, 1, 2].map((c) => origin[c] + (step * sum[c]) / count - from[c]) as [number, number, number];
   }
 
   async start(): Promise<void> {
@@ -109,10 +113,13 @@ class Viewer {
     const all = new Box3();
     const own = new Box3(); // relative to the body's own middle
     const point = new Vector3();
+    let lowest = Infinity; // of the surroundings, too
     const each = (use: (frame: number) => void) =>
       film.flesh.forEach((cells, k) => {
         const places = film.places(cells, this.centre, this.places);
         for (let p = 0; p < places.length; p += 3) {
+          lowest = Math.min(lowest, places[p + 1]);
+          if (this.is_beside[p / 3]) continue;
           point.fromArray(places, p);
           use(k);
         }
@@ -135,7 +142,7 @@ class Viewer {
       square = Math.max(square, point.lengthSq());
       if (number++ % sample === 0) points.push(point.x, point.y, point.z);
     });
-    stage.furnish(middle, Math.sqrt(square) || 1, all.min.y);
+    stage.furnish(middle, Math.sqrt(square) || 1, lowest);
     const canvas = element("picture");
     stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
   }
