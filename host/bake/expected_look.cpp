@@ -233,7 +233,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
         }
       },
       goes_on);
-  if (goes_on && !goes_on()) return std::nullopt;
+  const auto is_stopped = [&] { return goes_on && !goes_on(); };
   const auto swing_through = [&](std::size_t k, double stiffer) {
     const Swing& swing = swings[k];
     ExpectedLook look{.joint = swing.joint, .layer = swing.layer};
@@ -251,6 +251,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
   std::vector<ExpectedLook> looks;
   ExpectedLook worst;
   for (std::size_t k = 0; k < swings.size(); ++k) {
+    if (is_stopped()) return std::nullopt;
     looks.push_back(swing_through(k, 1.0));
     if (looks.back().score > worst.score) worst = looks.back();
   }
@@ -262,7 +263,10 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
       if (looks[k].score > 1.0 && swing_through(k, stiffer).score > 1.0) return true;
     return false;
   };
-  while (worst.stiffer < most && worst.score > 1.0 && is_over(worst.stiffer)) worst.stiffer *= step;
+  while (worst.stiffer < most && worst.score > 1.0 && is_over(worst.stiffer)) {
+    if (is_stopped()) return std::nullopt;
+    worst.stiffer *= step;
+  }
   return worst;
 }
 

@@ -34,7 +34,7 @@ struct ExpectedLook {
 };
 
 // Empty without free flesh. `body`: from look_body_of. Runs through all substeps of one cycle, and
-// asks `goes_on` in each frame: empty once it is false.
+// asks `goes_on` in each frame and while it seeks the remedy: empty once it is false.
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
                                           const LookBody& body, drive::DriveSource& drives,
                                           const drive::DriveSource::GoesOn& goes_on = {});

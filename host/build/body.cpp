@@ -70,36 +70,45 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
-// Per vertex: whether it is on a part of the surface with less than a tenth of the area of the largest part.
-std::vector<char> is_on_small_part(const mesh::SurfaceMesh& surface) {
+// Adds the vertices of small parts: those with less than a tenth of the area of the largest part, of what is
+// not left out.
+void leave_out_small_parts(const mesh::SurfaceMesh& surface, std::vector<char>& is_left_out) {
   Unions parts(surface.vertices.size());
   for (const auto& t : surface.triangles) parts.join(t[0], t[1]), parts.join(t[0], t[2]);
   std::vector<double> area(surface.vertices.size(), 0.0);  // at the root of each part, m^2
   for (const auto& t : surface.triangles) {
+    if (is_left_out[t[0]] != 0) continue;
     const Vector3d& a = surface.vertices[t[0]];
     area[parts.find(t[0])] += (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm() / 2.0;
   }
   const double largest = area.empty() ? 0.0 : *std::max_element(area.begin(), area.end());
-  std::vector<char> is_small;
   for (std::uint32_t v = 0; v < surface.vertices.size(); ++v)
-    is_small.push_back(area[parts.find(v)] < 0.1 * largest ? 1 : 0);
-  return is_small;
+    if (area[parts.find(v)] < 0.1 * largest) is_left_out[v] = 1;
 }
 
+// Hair of many strips may be most of the skin, so that no joint of the body moves enough of it. Where there
+// would be no bone at all, the bones of a body are those that it has without its rigid parts, or without its
+// small parts, too.
 BoneChoice choose_bones_beside(const rig::Character& character, const WeldedSurface& welded,
-                               const RigidSkin& rigid, const scene::Scene& scene) {
-  const auto chosen_without = [&](const auto& is_beside) {
+                               const RigidSkin& rigid, const scene::Scene& scene, bool is_prop) {
+  const auto chosen = [&](const std::vector<char>& is_beside) {
     std::vector<char> is_left_out;
-    for (const std::uint32_t v : welded.of_vertex) is_left_out.push_back(is_beside(v) ? 1 : 0);
+    for (const std::uint32_t v : welded.of_vertex) is_left_out.push_back(is_beside[v]);
     return choose_bones(character, scene.skeleton, scene.scale, scene.source, is_left_out);
   };
-  BoneChoice choice = chosen_without([&](std::uint32_t v) { return rigid.is_beside[v] != 0; });
-  if (!choice.bones.empty()) return choice;
-  // Hair of many soft strips may be most of the skin, so that no joint of the body moves enough of it.
-  const std::vector<char> is_small = is_on_small_part(welded.surface);
-  BoneChoice of_body =
-      chosen_without([&](std::uint32_t v) { return rigid.is_beside[v] != 0 || is_small[v] != 0; });
-  return of_body.bones.empty() ? choice : of_body;
+  BoneChoice choice = chosen(rigid.is_beside);
+  if (is_prop || !choice.bones.empty()) return choice;
+  std::vector<char> rigid_too = rigid.is_beside;
+  for (std::size_t v = 0; v < rigid_too.size(); ++v)
+    if (rigid.is_apart[v] != 0) rigid_too[v] = 1;
+  std::vector<char> small_too = rigid_too;
+  leave_out_small_parts(welded.surface, small_too);
+  for (const std::vector<char>& more : {rigid_too, small_too}) {
+    if (more == rigid.is_beside || std::count(more.begin(), more.end(), 0) == 0) continue;
+    BoneChoice other = chosen(more);
+    if (!other.bones.empty()) return other;
+  }
+  return choice;
 }
 
 // Fills all parts of a prop: it pushes by its tetrahedra.
@@ -110,7 +119,7 @@ Body body_of_one(const rig::Character& character, const scene::Scene& scene, boo
   const SkinWeights weights =
       welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
   RigidSkin rigid = find_rigid_parts(character, welded, weights, scene);
-  BoneChoice choice = choose_bones_beside(character, welded, rigid, scene);
+  BoneChoice choice = choose_bones_beside(character, welded, rigid, scene, is_prop);
   if (!choice.warning.empty() && !is_prop) warn_of_flesh(report, choice.warning);
   report.joints = std::move(choice.report);
   body.joints = std::move(choice.joints);
@@ -165,7 +174,8 @@ BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene) 
   const WeldedSurface welded = prepare_surface(character.surface, scene, unread);
   const SkinWeights weights =
       welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
-  return choose_bones_beside(character, welded, find_rigid_parts(character, welded, weights, scene), scene);
+  return choose_bones_beside(character, welded, find_rigid_parts(character, welded, weights, scene), scene,
+                             false);
 }
 
 std::size_t member_of(const Body& body, std::size_t vertex) {

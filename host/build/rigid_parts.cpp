@@ -1,6 +1,7 @@
 #include "host/build/rigid_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -16,6 +17,7 @@
 #include "host/build/skin_weights.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
+#include "host/base/flat.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::build {
@@ -24,8 +26,6 @@ namespace {
 
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
-// A flat part is thinner than the first share of its extent, and at least as wide as the second.
-constexpr double flat_share = 0.02, least_width = 0.1;
 // A hard part's weights are all but equal; with more rows than this it moves by their mean.
 constexpr std::size_t most_rows_of_hard = 1000;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
@@ -94,19 +94,9 @@ bool follows_mean(const SkinWeights& weights, const Part& part) {
 }
 
 bool is_flat(const std::vector<Vector3d>& place, const Part& part) {
-  const Vector3d& origin = place[part.vertices.front()];
-  const auto farthest = [&](auto distance) {
-    const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
-      return distance(place[a] - origin) < distance(place[b] - origin);
-    };
-    return Vector3d(place[*std::max_element(part.vertices.begin(), part.vertices.end(), nearer)] - origin);
-  };
-  const Vector3d along = farthest([](const Vector3d& d) { return d.norm(); });
-  const Vector3d aside = farthest([&](const Vector3d& d) { return along.cross(d).norm(); });
-  if (!(along.cross(aside).norm() >= least_width * along.squaredNorm())) return false;
-  const Vector3d normal = along.cross(aside).normalized();
-  const Vector3d out = farthest([&](const Vector3d& d) { return std::abs(normal.dot(d)); });
-  return std::abs(normal.dot(out)) <= flat_share * along.norm();
+  std::vector<std::array<double, 3>> points;
+  for (const std::uint32_t v : part.vertices) points.push_back({place[v][0], place[v][1], place[v][2]});
+  return base::is_flat(points);
 }
 
 // Floors and walls: flat parts of one joint, each more than a quarter of the skin without larger ones.
@@ -264,7 +254,6 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   // Where floors are most of the skin, they say nothing about the rest of it.
   const bool is_on_floors = floors.rest > 0.0 && floors.rest < all_area / 2.0;
   const double whole = is_on_floors ? floors.rest : all_area;
-  double beside = 0.0, apart = 0.0;  // areas of rigid parts that are beside and that are not, m^2
   std::vector<SharedRow> shared;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Part& part = parts[k];
@@ -298,7 +287,6 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     if (!is_whole) continue;
     const bool is_beside = (is_floor && is_on_floors) ||
                            (asked == part.vertices.size() && part.area > largest_rigid_share * all_area);
-    (is_beside ? beside : apart) += part.area;
     for (const std::uint32_t v : part.vertices) {
       rigid.is_rigid[v] = rigid.is_apart[v] = 1;
       rigid.is_beside[v] = is_beside ? 1 : 0;
@@ -306,8 +294,6 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     if (follows_mean(weights, part)) shared.push_back({part.vertices, {part.mean.begin(), part.mean.end()}});
   }
   rigid.weights = with_shared_rows(weights, shared);
-  // Small parts, such as strips of hair, hide bones where they are most of the skin together.
-  if (!all_hard && apart > (all_area - beside) / 2.0) rigid.is_beside = rigid.is_apart;
   // Bones need some skin.
   if (std::all_of(rigid.is_beside.begin(), rigid.is_beside.end(), [](char is) { return is != 0; }))
     rigid.is_beside.assign(rigid.is_beside.size(), 0);

@@ -36,8 +36,8 @@ struct RigidSkin {
   std::vector<char> is_rigid;  // per vertex of the welded skin
   std::vector<char> is_apart;  // per vertex of the welded skin: rigid, and connected to no soft skin
   // Per vertex of the welded skin: on a whole part that would hide bones, because it was requested and is
-  // more than a quarter of the skin, or is one of the floors that are most of it, or because all rigid parts
-  // together are most of it. Bones are chosen without it.
+  // more than a quarter of the skin, or is one of the floors that are most of it. Bones are chosen without
+  // it.
   std::vector<char> is_beside;
   SkinWeights weights;  // of the welded skin; a separate part with an almost uniform blend has its mean
   std::vector<RigidReport> report;

@@ -45,10 +45,12 @@ render::Clip clip_of(const std::string& text, const model::Model& model, const r
   const bool share = text.back() == '%';
   const double value = number_of(text.substr(2, text.size() - 2 - (share ? 1 : 0)), "--clip");
   const auto axis = static_cast<std::size_t>(clip.axis);
-  float low = model.rest[axis], high = low;
-  for (std::size_t k = axis; k < model.rest.size(); k += 3) {
-    low = std::min(low, model.rest[k]);
-    high = std::max(high, model.rest[k]);
+  const std::vector<char> is_beside = render::surroundings_of(model).vertices;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::size_t i = 0; i < model.vertex_count; ++i) {
+    if (is_beside[i] != 0) continue;
+    low = std::min(low, model.rest[3 * i + axis]);
+    high = std::max(high, model.rest[3 * i + axis]);
   }
   clip.place = share ? model.rest_origin[axis] +
                            model.unit * (double{low} + (double{high} - double{low}) * value / 100.0)
@@ -71,13 +73,24 @@ Eigen::Vector3d point(std::span<const float> positions, std::size_t i) {
   return {double{positions[3 * i]}, double{positions[3 * i + 1]}, double{positions[3 * i + 2]}};
 }
 
-// The point that a following camera looks at: the middle of the body, at floor height.
-Eigen::Vector3d center_of(std::span<const float> positions) {
+// The point that a following camera looks at: the middle of the body, at floor height. `is_beside`: per
+// point, whether it is of the surroundings.
+Eigen::Vector3d center_of(std::span<const float> positions, const std::vector<char>& is_beside) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const std::size_t count = positions.size() / 3;
-  for (std::size_t i = 0; i < count; ++i) sum += point(positions, i);
+  double count = 0.0;
+  for (std::size_t i = 0; i < is_beside.size(); ++i) {
+    if (is_beside[i] != 0) continue;
+    sum += point(positions, i);
+    ++count;
+  }
   sum.y() = 0.0;
-  return sum / static_cast<double>(count);
+  return sum / count;
+}
+
+// Which of drawn_points are of the surroundings.
+const std::vector<char>& beside_of(const render::Surroundings& surroundings,
+                                   const render::BodyDrawing& drawing) {
+  return drawing.draws_tetrahedra() ? surroundings.vertices : surroundings.surface;
 }
 
 // The flesh as it is drawn.
@@ -92,15 +105,18 @@ std::vector<float> framed_points(DrawnFrames& frames, const render::BodyDrawing&
   return arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k);
 }
 
+const std::vector<char>& beside_of_framed(const render::Surroundings& surroundings,
+                                          const render::BodyDrawing& drawing,
+                                          const RenderArguments& arguments) {
+  return arguments.compare ? surroundings.surface : beside_of(surroundings, drawing);
+}
+
 // The points that must be in view.
 class Survey {
  public:
-  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const RenderArguments& arguments,
-         std::span<const std::uint64_t> shown)
-      : frames_(frames),
-        drawing_(drawing),
-        arguments_(arguments),
-        is_beside_(render::is_of_surroundings(frames.model())) {
+  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const render::Surroundings& surroundings,
+         const RenderArguments& arguments, std::span<const std::uint64_t> shown)
+      : frames_(frames), drawing_(drawing), surroundings_(surroundings), arguments_(arguments) {
     std::vector<std::uint64_t> numbers(shown.begin(), shown.end());
     if (numbers.empty()) numbers = survey_frames(frames.count());
     // The boxes are needed to clamp flesh and to choose the camera.
@@ -109,9 +125,10 @@ class Survey {
       Shown one{.frame = k, .middle = Eigen::Vector3d::Zero(), .box = {}};
       if (needs_boxes || arguments.follow.value_or(false)) {
         const std::vector<float> points = framed_points(frames, drawing, arguments, k);
-        one.middle = center_of(points);
-        each(points, Eigen::Vector3d::Zero(), [&](const Eigen::Vector3d& p, bool is_beside) {
-          if (!is_beside) one.box.extend(p);
+        const std::vector<char>& is_beside = beside_of_framed(surroundings, drawing, arguments);
+        one.middle = center_of(points, is_beside);
+        each(points, is_beside, Eigen::Vector3d::Zero(), [&](const Eigen::Vector3d& p, bool beside) {
+          if (!beside) one.box.extend(p);
         });
       }
       shown_.push_back(one);
@@ -147,13 +164,13 @@ class Survey {
     for (const Shown& one : shown_) {
       const Eigen::Vector3d from = way(one);
       const std::vector<float> points = drawn_points(frames_, drawing_, one.frame);
-      each(points, from, [&](const Eigen::Vector3d& p, bool is_beside) {
+      each(points, beside_of(surroundings_, drawing_), from, [&](const Eigen::Vector3d& p, bool is_beside) {
         visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p,
               is_beside);
       });
       if (!arguments_.compare) continue;
       const std::vector<float> skinned = frames_.skinned_surface(one.frame);
-      each(skinned, from, visit);
+      each(skinned, surroundings_.surface, from, visit);
     }
   }
 
@@ -168,13 +185,11 @@ class Survey {
     return follows_ ? one.middle : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
 
-  // `positions`: of the render mesh, or of the model's vertices, of which all are the body.
   template <class Visit>
-  void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) const {
-    const std::size_t count = positions.size() / 3;
-    const bool has_surroundings = count == is_beside_.size();
-    for (std::size_t i = 0; i < count; ++i)
-      visit(Eigen::Vector3d(point(positions, i) - from), has_surroundings && is_beside_[i] != 0);
+  static void each(std::span<const float> positions, const std::vector<char>& is_beside,
+                   const Eigen::Vector3d& from, Visit visit) {
+    for (std::size_t i = 0; i < is_beside.size(); ++i)
+      visit(Eigen::Vector3d(point(positions, i) - from), is_beside[i] != 0);
   }
 
   // Visits the corners of the frame's box as the camera sees them.
@@ -191,8 +206,8 @@ class Survey {
 
   DrawnFrames& frames_;
   const render::BodyDrawing& drawing_;
+  const render::Surroundings& surroundings_;
   const RenderArguments& arguments_;
-  std::vector<char> is_beside_;  // per render vertex: of the surroundings
   std::vector<Shown> shown_;
   bool follows_ = false;
   Eigen::AlignedBox3d box_;
@@ -338,7 +353,8 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
     throw UsageError(error.what());
   }
   legend_ = drawing_->legend();
-  Survey survey(frames, *drawing_, arguments, shown);
+  surroundings_ = render::surroundings_of(frames.model());
+  Survey survey(frames, *drawing_, surroundings_, arguments, shown);
   // Pictures of a body at less than a fifth of what they could show are of the ground, not of the flesh: a
   // fifth of a sheet's cell is 77 pixels.
   constexpr double least_gain = 5.0;
@@ -368,7 +384,8 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
 // How far the camera has moved with the body.
 Eigen::Vector3d Artist::way_at(std::uint64_t k) const {
   if (!follows_) return Eigen::Vector3d::Zero();
-  return center_of(framed_points(frames_, *drawing_, arguments_, k));
+  return center_of(framed_points(frames_, *drawing_, arguments_, k),
+                   beside_of_framed(surroundings_, *drawing_, arguments_));
 }
 
 std::vector<render::Shape> Artist::solids_at(std::uint64_t k, const Eigen::Vector3d& way,

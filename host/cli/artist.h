@@ -14,6 +14,7 @@
 #include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/image.h"
+#include "host/render/model_surface.h"
 #include "host/render/render.h"
 
 namespace fascicle::cli {
@@ -61,6 +62,7 @@ class Artist {
   std::optional<model::OverlapMeter> overlap_;  // Mode::contact
   std::optional<render::Looks> looks_;
   std::optional<render::BodyDrawing> drawing_;
+  render::Surroundings surroundings_;
   render::Legend legend_;
   render::Camera camera_;
   bool follows_ = false, follows_by_itself_ = false;

@@ -71,7 +71,7 @@ TemplateJson bake_step(const FarmBatch& batch, const std::string& name, std::siz
 }  // namespace
 
 void refuse_others_template(const fs::path& file) {
-  if (!fs::exists(file)) return;
+  if (!fs::exists(fs::symlink_status(file))) return;
   if (fs::is_regular_file(file) &&
       base::read_input(file, base::most_json_bytes).find(written_by) != std::string::npos)
     return;

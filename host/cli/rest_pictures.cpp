@@ -10,6 +10,7 @@
 #include "host/formats/surface.h"
 #include "host/render/body_shapes.h"
 #include "host/render/camera.h"
+#include "host/render/model_surface.h"
 #include "host/render/render.h"
 #include "host/render/shape.h"
 
@@ -136,16 +137,19 @@ RestPictures draw_rest(const model::Model& model, const render::Looks* looks, un
 
   const render::View view{35.0, 10.0};
   const Eigen::Matrix3d axes = render::camera_axes(view);
+  const std::vector<char> is_beside = render::surroundings_of(model).vertices;
   Eigen::AlignedBox3d box, seen;
+  std::vector<Eigen::Vector3d> places;
   for (std::uint32_t i = 0; i < body.size() / 3; ++i) {
-    const Eigen::Vector3d place = point(body, i).cast<double>();
-    box.extend(place);
-    seen.extend(Eigen::Vector3d(axes * place));
+    if (is_beside[i] != 0) continue;
+    places.emplace_back(point(body, i).cast<double>());
+    box.extend(places.back());
+    seen.extend(Eigen::Vector3d(axes * places.back()));
   }
   const double aspect = seen.sizes().y() > 0.0 ? seen.sizes().x() / seen.sizes().y() : 1.0;
   const auto width = static_cast<unsigned>(std::lround(std::clamp(aspect, 0.6, 1.78) * height));
   render::CameraFit fit(view, width, height);
-  for (std::uint32_t i = 0; i < body.size() / 3; ++i) fit.include(point(body, i).cast<double>());
+  for (const Eigen::Vector3d& place : places) fit.include(place);
   const render::Camera camera = fit.camera();
   render::Backdrop backdrop;
   backdrop.ground = box.min().y();

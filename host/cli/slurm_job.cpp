@@ -135,8 +135,10 @@ void refuse_others_slurm_files(const fs::path& folder) {
   for (const char* name :
        {plan_file, "tasks", "array.sbatch", "merge.sbatch", submit_script, submitted_ids, "report.txt"})
     if (fs::exists(fs::symlink_status(folder / name)))
-      throw UsageError((folder / name).string() +
-                       ": --emit would replace this file, which it did not write; give another folder");
+      throw UsageError(
+          (folder / name).string() +
+          ": --emit would replace this file. No plan.json that can be read says that it wrote it; move "
+          "it away or give another folder");
 }
 
 void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::string& options) {

@@ -11,8 +11,8 @@ namespace fascicle::cli {
 // Whether the folder's batch has already been submitted.
 bool was_submitted(const std::filesystem::path& folder);
 
-// Throws UsageError if the folder holds a file of one of those names below that an earlier batch did not
-// write.
+// Throws UsageError if the folder holds a file that write_slurm_job replaces or removes, and no plan.json
+// says that an earlier batch wrote it.
 void refuse_others_slurm_files(const std::filesystem::path& folder);
 
 // Writes array.sbatch, merge.sbatch, submit, tasks and plan.json. `options` are the user's options for

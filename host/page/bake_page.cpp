@@ -283,9 +283,9 @@ std::optional<std::string> BakePage::code() {
     for (std::uint32_t& p : place) p = at[p];
   }
   if (!surface_.is_tetrahedra) {
-    const std::vector<char> is_beside = render::is_of_surroundings(bake_.model());
+    const render::Surroundings surroundings = render::surroundings_of(bake_.model());
     for (std::uint32_t p = 0; p < places_; ++p)
-      if (is_beside[used_.source[point[p]]] != 0) surroundings_.push_back(p);
+      if (surroundings.surface[used_.source[point[p]]] != 0) surroundings_.push_back(p);
   }
 
   RangeEncoder to;

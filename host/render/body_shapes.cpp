@@ -63,13 +63,17 @@ BodyDrawing::BodyDrawing(const Model& model, const DrawingOptions& options)
     : model_(model), options_(options) {
   draws_tetrahedra_ =
       options.tetrahedra || options.clip || options.mode == Mode::fibres || model.surface_triangle.empty();
+  const Surroundings surroundings = surroundings_of(model);
   if (!draws_tetrahedra_) {
     creased_ = creased_surface(model);
     for (std::uint32_t s = 0; s < model.surface_count(); ++s)
       surface_layer_.push_back(layer_of_surface_vertex(model, s));
+    for (const std::uint32_t s : creased_.vertex) is_beside_.push_back(surroundings.surface[s]);
     return;
   }
   faces_ = outer_faces(model, options.clip);
+  // What carries a floor is a tetrahedron that may be larger than the body.
+  std::erase_if(faces_, [&](const OuterFace& face) { return surroundings.vertices[face.corners[0]] != 0; });
   if (faces_.empty())
     throw std::invalid_argument(options.clip ? "--clip leaves no tetrahedron; choose a place inside the body"
                                              : "there are no tetrahedra to draw");
@@ -189,6 +193,7 @@ Shape BodyDrawing::surface(std::span<const float> positions, std::span<const flo
                                                                        : skin_tone());
   }
   shape.triangles = creased_.triangles;
+  shape.is_beside = is_beside_;
   shape.normals = smooth_normals(shape, creased_.normal);
   if (options_.looks != nullptr && options_.mode == Mode::shaded) paint(shape);
   return shape;

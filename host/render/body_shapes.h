@@ -63,6 +63,7 @@ class BodyDrawing {
   bool draws_tetrahedra_ = false;
   std::vector<OuterFace> faces_;  // of the tetrahedra that are kept
   CreasedSurface creased_;
+  std::vector<char> is_beside_;  // per vertex of creased_: of the surroundings
   std::vector<std::uint32_t> surface_layer_;
   std::vector<std::uint32_t> fibre_vertices_;                 // vertices on the faces that have a fibre
   std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of those vertices

@@ -199,15 +199,16 @@ ShadowMap::Seen ShadowMap::seen_of_patch(const std::array<Vector3f, 4>& corners,
 std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& camera, unsigned threads) {
   Eigen::AlignedBox3f box;
   const auto counts = [](const Shape& shape) { return shape.casts_shadow && shape.widens_shadows; };
-  for (const Shape& shape : shapes)
-    if (counts(shape))
-      for (const Vector3f& p : shape.positions) box.extend(p);
+  const auto each = [&](auto visit) {
+    for (const Shape& shape : shapes)
+      for (std::size_t k = 0; counts(shape) && k < shape.positions.size(); ++k)
+        if (shape.is_beside.empty() || shape.is_beside[k] == 0) visit(shape.positions[k]);
+  };
+  each([&](const Vector3f& p) { box.extend(p); });
   const Vector3f center = box.isEmpty() ? Vector3f(Vector3f::Zero()) : Vector3f(box.center());
   // Uses the farthest point, not the box's corner, so that no texels are wasted.
   float radius = 0.0f;
-  for (const Shape& shape : shapes)
-    if (counts(shape))
-      for (const Vector3f& p : shape.positions) radius = std::max(radius, (p - center).norm());
+  each([&](const Vector3f& p) { radius = std::max(radius, (p - center).norm()); });
   const std::vector<LampPlan> plan = plan_lamps(camera);
   // A shadow needs no more resolution than the picture.
   const double share = std::clamp(camera.height / 960.0, 0.25, 1.5);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Dense>
 
+#include "host/base/flat.h"
 #include "host/render/image.h"
 
 namespace fascicle::render {
@@ -69,24 +69,8 @@ std::vector<std::uint32_t> first_at_same_place(const Model& model) {
   return result;
 }
 
-// Sheets are at most this thick and at least this wide, as shares of their length. Surroundings are larger
-// than the rest by this factor: a banner that is as tall as its bearer is part of the picture.
-constexpr double flat_share = 0.02, least_width = 0.1;
-constexpr float least_surroundings = 1.5f;
-
-// A sheet, not a rod: by the spread of its vertices along its principal axes.
-bool is_flat(const Model& model, std::span<const std::uint32_t> vertices) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::uint32_t s : vertices) sum += surface_rest(model, s).cast<double>();
-  const Eigen::Vector3d middle = sum / static_cast<double>(vertices.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const std::uint32_t s : vertices) {
-    const Eigen::Vector3d d = surface_rest(model, s).cast<double>() - middle;
-    spread += d * d.transpose();
-  }
-  const Eigen::Vector3d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
-  return along[0] <= flat_share * flat_share * along[2] && along[1] >= least_width * least_width * along[2];
-}
+// A banner that is as tall as its bearer is part of the picture.
+constexpr double least_surroundings = 2.0;
 
 // An edge where the rest shape bends by more than this is a sharp edge, like those of a box.
 constexpr float crease_cosine = 0.64f;  // 50 degrees
@@ -177,42 +161,52 @@ std::vector<OuterFace> outer_faces(const Model& model, const std::optional<Clip>
   return faces;
 }
 
-std::vector<char> is_of_surroundings(const Model& model) {
+Surroundings surroundings_of(const Model& model) {
   struct Part {
     std::vector<std::uint32_t> vertices;
-    Eigen::AlignedBox3f box;
+    std::vector<std::array<double, 3>> places;
+    Eigen::AlignedBox3d box;
     bool follows = true;  // the skeleton moves every vertex
   };
-  const std::uint32_t count = model.surface_count();
   std::vector<std::uint32_t> parent = first_at_same_place(model);
   const auto root = [&parent](std::uint32_t k) {
     while (parent[k] != k) k = parent[k] = parent[parent[k]];
     return k;
   };
-  for (std::size_t k = 0; k < model.surface_triangle.size(); ++k)
+  std::vector<char> is_drawn(model.surface_count(), 0);  // vertices without a triangle may lie anywhere
+  for (std::size_t k = 0; k < model.surface_triangle.size(); ++k) {
+    is_drawn[model.surface_triangle[k]] = 1;
     parent[root(model.surface_triangle[k])] = root(model.surface_triangle[k - k % 3]);
+  }
   std::map<std::uint32_t, Part> of_root;
-  for (std::uint32_t s = 0; s < count; ++s) {
+  for (std::uint32_t s = 0; s < model.surface_count(); ++s) {
+    if (is_drawn[s] == 0) continue;
     Part& part = of_root[root(s)];
+    const Eigen::Vector3d place = surface_rest(model, s).cast<double>();
     part.vertices.push_back(s);
-    part.box.extend(surface_rest(model, s));
+    part.places.push_back({place.x(), place.y(), place.z()});
+    part.box.extend(place);
     for (std::size_t c = 0; c < 4; ++c)
       part.follows = part.follows && model.is_kinematic(model.surface_vertex[std::size_t{4} * s + c]);
   }
-  std::vector<const Part*> by_size;
-  for (const auto& [first, part] : of_root) by_size.push_back(&part);
-  const auto size = [](const Part* part) { return part->box.diagonal().norm(); };
-  std::stable_sort(by_size.begin(), by_size.end(),
-                   [&](const Part* a, const Part* b) { return size(a) > size(b); });
-  // The boxes of what is smaller than each part.
-  std::vector<Eigen::AlignedBox3f> rest(by_size.size());
-  for (std::size_t k = by_size.size(); k-- > 1;) rest[k - 1] = rest[k].merged(by_size[k]->box);
-  std::vector<char> result(count, 0);
-  for (std::size_t k = 0; k + 1 < by_size.size(); ++k) {
-    const Part& part = *by_size[k];
-    if (!part.follows || !(size(&part) > least_surroundings * rest[k].diagonal().norm())) break;
-    if (!is_flat(model, part.vertices)) break;
-    for (const std::uint32_t s : part.vertices) result[s] = 1;
+  Surroundings result{std::vector<char>(model.surface_count(), 0), std::vector<char>(model.vertex_count, 0)};
+  Eigen::AlignedBox3d rest;
+  bool has_flesh = false;
+  std::vector<const Part*> sheets;
+  for (const auto& [first, part] : of_root) {
+    has_flesh = has_flesh || !part.follows;
+    if (part.follows && base::is_flat(part.places))
+      sheets.push_back(&part);
+    else
+      rest.extend(part.box);
+  }
+  if (!has_flesh) return result;
+  for (const Part* sheet : sheets) {
+    if (!(sheet->box.diagonal().norm() > least_surroundings * rest.diagonal().norm())) continue;
+    for (const std::uint32_t s : sheet->vertices) {
+      result.surface[s] = 1;
+      for (std::size_t c = 0; c < 4; ++c) result.vertices[model.surface_vertex[std::size_t{4} * s + c]] = 1;
+    }
   }
   return result;
 }

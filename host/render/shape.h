@@ -25,7 +25,8 @@ struct Shape {
                               // interpolation
   bool draw_edges = false;    // thin dark lines along the triangles' edges
   bool casts_shadow = true;
-  bool widens_shadows = true;  // false: shadow maps need not reach all of it, as of a floor
+  bool widens_shadows = true;   // false: shadow maps need not reach all of it, as of a floor
+  std::vector<char> is_beside;  // one per position, or none: shadow maps need not reach it either
   // With looks, which must outlive the shape: their paints and textures multiply `colours`.
   const Looks* looks = nullptr;
   std::vector<std::uint32_t> paints;  // one per triangle

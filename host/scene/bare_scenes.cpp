@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "host/base/text.h"
+#include "host/rig/floors.h"
 #include "host/scene/scene_check.h"
 
 namespace fascicle::scene {
@@ -46,6 +47,16 @@ std::vector<Vector3d> corners_of(const mesh::SurfaceMesh& surface) {
   for (std::size_t i = 0; i < is_used.size(); ++i)
     if (is_used[i] != 0) corners.push_back(surface.vertices[i]);
   return corners;
+}
+
+// The corners of a character without floors and walls.
+std::vector<Vector3d> corners_of_body(const rig::Character& character) {
+  // A list of places, from what_layers_go_by.
+  if (character.weights.empty()) return corners_of(character.surface);
+  const std::vector<char> is_on_floor = rig::on_floors(character);
+  mesh::SurfaceMesh body = character.surface;
+  std::erase_if(body.triangles, [&](const auto& triangle) { return is_on_floor[triangle[0]] != 0; });
+  return corners_of(body);
 }
 
 // Longest side in metres; 1 if empty.
@@ -143,7 +154,7 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) 
   for (const rig::Character& one : characters) {
     for (const rig::PaintedAttribute& painted : one.painted)
       all.painted.push_back({painted.name, painted.width, {}});
-    std::vector<Vector3d> corners = corners_of(one.surface);
+    std::vector<Vector3d> corners = corners_of_body(one);
     const double extent = largest_extent(corners);
     if (!(extent > largest)) continue;
     largest = extent;
@@ -156,7 +167,7 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
   // The outer third of the way from bone to skin is fat. The inner third is bone, which must hold the flesh.
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
-  const double size = size_of(corners_of(character.surface));
+  const double size = size_of(corners_of_body(character));
   check_size(source + ": the character", size, longest_character,
              "scale it to metres in the program that made it");
   const double speed = size / seconds_across;

@@ -80,7 +80,7 @@ std::vector<float> surface_rest(const model::Model& model) {
 
 // One per render vertex; empty if the body has no surroundings.
 std::vector<std::uint8_t> surroundings(const model::Model& model) {
-  const std::vector<char> is_beside = render::is_of_surroundings(model);
+  const std::vector<char> is_beside = render::surroundings_of(model).surface;
   if (std::count(is_beside.begin(), is_beside.end(), 1) == 0) return {};
   return {is_beside.begin(), is_beside.end()};
 }
@@ -330,22 +330,23 @@ std::vector<ArrayMessage> shape_messages(const model::Model& model, const std::s
   return all;
 }
 
-// Of the rest shape without its surroundings, m.
+// Of the rest shape, m: of the model's vertices but those that carry surroundings, and of what else these
+// carry.
 std::pair<std::array<double, 3>, std::array<double, 3>> bounds_of(const model::Model& model) {
-  std::vector<char> carries_surroundings(model.vertex_count, 0);
-  const std::vector<std::uint8_t> is_beside = surroundings(model);
-  for (std::size_t s = 0; s < is_beside.size(); ++s)
-    for (std::size_t c = 0; c < 4 && is_beside[s] != 0; ++c)
-      carries_surroundings[model.surface_vertex[4 * s + c]] = 1;
+  const render::Surroundings beside = render::surroundings_of(model);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    if (carries_surroundings[i] != 0) continue;
-    const std::array<double, 3> place = rest_place(model, i);
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], place[a]);
-      high[a] = std::max(high[a], place[a]);
-    }
+  const auto extend = [&](std::size_t axis, double place) {
+    low[axis] = std::min(low[axis], place);
+    high[axis] = std::max(high[axis], place);
+  };
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    for (std::size_t a = 0; a < 3 && beside.vertices[i] == 0; ++a) extend(a, rest_place(model, i)[a]);
+  const std::vector<float> surface = surface_rest(model);
+  for (std::size_t s = 0; s < beside.surface.size(); ++s) {
+    const bool is_on_carrier = beside.vertices[model.surface_vertex[4 * s]] != 0;
+    for (std::size_t a = 0; a < 3 && is_on_carrier && beside.surface[s] == 0; ++a)
+      extend(a, double{surface[3 * s + a]});
   }
   return {low, high};
 }

@@ -2,6 +2,7 @@
 #include "host/bake/expected_look.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -157,6 +158,28 @@ TEST(ExpectedLook, TriedFramesCanBeStopped) {
                  bake::frames_to_try(bar.scene, scene::cycle_frames(bar.scene) / 2), twice);
   EXPECT_EQ(asked, 3);
   EXPECT_EQ(solver->save().positions, drives.initial_state().positions);
+}
+
+// It may be stopped in each frame, and at each step towards the remedy.
+TEST(ExpectedLook, StopsWhereItIsTold) {
+  const BendingBar bar = elastic_bar(500.0);
+  ASSERT_GT(expected(bar).stiffer, 1.25);
+  const auto asked = [&](int most) {
+    drive::DriveSource drives(bar.scene, bar.model);
+    int count = 0;
+    const auto look =
+        bake::expected_look(bar.scene, bar.model, bake::look_body_of(bar.scene, bar.model).value(), drives,
+                            [&] { return ++count < most; });
+    return std::pair{count, look.has_value()};
+  };
+  const auto [all, has_all] = asked(1 << 20);
+  EXPECT_TRUE(has_all);
+  EXPECT_GT(all, static_cast<int>(scene::cycle_frames(bar.scene)) + 2) << "frames, joints and steps";
+  for (const int most : {1, all / 2, all - 1, all}) {
+    const auto [count, has_look] = asked(most);
+    EXPECT_FALSE(has_look) << most;
+    EXPECT_LE(count, most + 1) << most;
+  }
 }
 
 // Trying 0.3 s makes no sense if a frame is longer.

@@ -443,52 +443,77 @@ TEST(RigidParts, ASmallPartThatIsAskedForKeepsItsBones) {
   for (std::size_t k = 0; k < asked.size(); ++k) EXPECT_EQ(asked[k].to, found[k].to);
 }
 
-// Hair of many strips is more skin than the body has. Each strip is rigid, and together they hide no bone.
-TEST(RigidParts, HairThatIsMostOfTheSkinHidesNoBone) {
-  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
-  ASSERT_FALSE(alone.empty());
-  std::vector<Piece> hair;
-  for (int k = 0; k < 300; ++k) {
-    Piece strip{cube_surface(1.0), {0.013 * (k % 20), 0.8, 0.017 * (k / 20)}, {{chest, 1.0}}, "Hair", "Hair"};
-    for (Vector3d& p : strip.surface.vertices) p = p.cwiseProduct(Vector3d(0.002, 0.5, 0.05));
-    hair.push_back(strip);
-  }
-  const scene::Scene scene = scene_of(trunk_with(hair));
-  EXPECT_EQ(count_rigid(scene), 300u * 8u);
-  const std::vector<build::Bone> bones = bones_of(scene);
-  ASSERT_EQ(bones.size(), alone.size());
-  for (std::size_t k = 0; k < bones.size(); ++k) {
-    EXPECT_EQ(bones[k].from, alone[k].from);
-    EXPECT_EQ(bones[k].to, alone[k].to);
-  }
-}
-
-// Soft strips of hair are flesh. They are open and face one way, so that no joint seems to move a limb; the
-// body alone has its bones.
-TEST(RigidParts, SoftHairThatIsMostOfTheSkinHidesNoBone) {
-  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
-  ASSERT_FALSE(alone.empty());
-  rig::Character character = trunk_with({});
+// The trunk with hair of many strips, which are most of the skin. They are open and all face one way, so that
+// no joint seems to move a limb.
+rig::Character trunk_with_hair(bool is_soft, const std::vector<Piece>& more = {}) {
+  rig::Character character = trunk_with(more);
   for (int k = 0; k < 300; ++k) {
     const double x = 0.013 * (k % 20) - 0.1, z = trunk_radius + 0.003 * (k / 20);
-    const Piece strip{
-        {{{x, 1.3, z}, {x + 0.05, 1.3, z}, {x, 0.5, z}, {x + 0.05, 0.5, z}}, {{0, 2, 1}, {1, 2, 3}}},
-        Vector3d::Zero(),
-        {{plate_joint, 1.0}},
-        "Hair",
-        "Hair"};
-    add(character, strip);
-    for (std::size_t v = character.weights.size() - 4; v + 2 < character.weights.size(); ++v) {
+    add(character,
+        {{{{x, 1.3, z}, {x + 0.05, 1.3, z}, {x, 0.5, z}, {x + 0.05, 0.5, z}}, {{0, 2, 1}, {1, 2, 3}}},
+         Vector3d::Zero(),
+         {{plate_joint, 1.0}},
+         "Hair",
+         "Hair"});
+    for (std::size_t v = character.weights.size() - 4; is_soft && v + 2 < character.weights.size(); ++v) {
       character.joints[v] = {plate_joint, chest};
       character.weights[v] = {0.5, 0.5};
     }
   }
-  const scene::Scene scene = scene_of(character);
-  EXPECT_EQ(count_rigid(scene), 0U);
-  EXPECT_TRUE(build::choose_bones(character, scene.skeleton, 1.0, "").bones.empty()) << "the control";
-  const std::vector<build::Bone> bones = bones_of(scene);
-  ASSERT_EQ(bones.size(), alone.size());
-  for (std::size_t k = 0; k < bones.size(); ++k) EXPECT_EQ(bones[k].to, alone[k].to);
+  return character;
+}
+
+// Rigid hair, soft hair, and soft hair on a floor: the bones are those of the body alone.
+TEST(RigidParts, HairThatIsMostOfTheSkinHidesNoBone) {
+  const std::vector<build::Bone> alone = bones_of(scene_of(trunk_with({})));
+  ASSERT_FALSE(alone.empty());
+  for (const rig::Character& character :
+       {trunk_with_hair(false), trunk_with_hair(true), trunk_with_hair(true, {floor(20.0, 0.01, pelvis)})}) {
+    const scene::Scene scene = scene_of(character);
+    EXPECT_TRUE(build::choose_bones(character, scene.skeleton, 1.0, "").bones.empty()) << "the control";
+    const std::vector<build::Bone> bones = bones_of(scene);
+    ASSERT_EQ(bones.size(), alone.size());
+    for (std::size_t k = 0; k < bones.size(); ++k) {
+      EXPECT_EQ(bones[k].from, alone[k].from);
+      EXPECT_EQ(bones[k].to, alone[k].to);
+    }
+  }
+  EXPECT_EQ(count_rigid(scene_of(trunk_with_hair(false))), 300U * 4U);
+  EXPECT_EQ(count_rigid(scene_of(trunk_with_hair(true))), 0U);
+}
+
+// Rigid shells that are most of the skin stay where they give a limb its bone: a body in armour under an open
+// cape.
+TEST(RigidParts, ArmourKeepsTheBonesThatItGives) {
+  const auto shell = [](double y, std::uint32_t joint) {
+    std::vector<Vector3d> line;
+    for (int k = 0; k <= 4; ++k) line.emplace_back(0, y + 0.04 * k, 0);
+    return Piece{tube(line, 0.2, 24), Vector3d::Zero(), {{joint, 1.0}}, "Armour", "Steel"};
+  };
+  rig::Character knight = trunk_with({});
+  const std::vector<rig::Joint> skeleton = knight.skeleton;
+  knight = {};
+  knight.skeleton = skeleton;
+  for (const double y : {0.0, 0.2, 0.4}) add(knight, shell(y, pelvis));
+  for (const double y : {0.7, 0.9, 1.1}) add(knight, shell(y, chest));
+  // An even strip would be rigid, too.
+  add(knight,
+      {{{{-0.1, 1.3, -0.3}, {0.1, 1.3, -0.3}, {-0.1, 0.5, -0.3}, {0.1, 0.5, -0.3}}, {{0, 1, 2}, {1, 3, 2}}},
+       Vector3d::Zero(),
+       {{chest, 1.0}},
+       "Cape",
+       "Cloth"});
+  for (std::size_t v = knight.weights.size() - 4; v + 2 < knight.weights.size(); ++v) {
+    knight.joints[v] = {pelvis, chest};
+    knight.weights[v] = {0.5, 0.5};
+  }
+  const scene::Scene scene = scene_of(knight);
+  EXPECT_EQ(count_rigid(scene), knight.surface.vertices.size() - 4);
+  const std::vector<build::Bone> bones = bones_of(scene),
+                                 of_all = build::choose_bones(knight, {}, 1.0, "").bones;
+  ASSERT_FALSE(of_all.empty());
+  ASSERT_EQ(bones.size(), of_all.size());
+  for (std::size_t k = 0; k < bones.size(); ++k) EXPECT_EQ(bones[k].to, of_all[k].to);
 }
 
 // The controls: a block is no floor, and what is asked for is left out whatever its shape.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <signal.h>
 
 #include "tests/bake/traced_disk.h"
+#include "tests/cli/nodding_body.h"
 #include "tests/cli/program.h"
 #include "tests/support/assets.h"
 
@@ -382,6 +384,44 @@ TEST(Bake, AMotionThatBeginsLateIsTold) {
   };
   EXPECT_TRUE(contains(said({}), "--start 0.04167 begins with the motion"));
   EXPECT_FALSE(contains(said({"--start", "0.0417"}), "acceleration_limit"));
+}
+
+// A floor of 20 m in the character's file, whose carrier is larger than the body, is no part of its volume,
+// its mass and its stiffness.
+TEST(Bake, MeasuresABodyWithoutItsFloor) {
+  const TemporaryFolder folder;
+  std::vector<double> volumes, masses, at_rest, ratios;
+  for (const double floor : {0.0, 10.0}) {
+    write_text(folder / "body.gltf", nodding_body(12, 10, floor));
+    const Outcome shown = fascicle({"inspect", folder / "body.gltf", "--resolution=300", "--json"});
+    ASSERT_EQ(shown.status, 0) << shown.err;
+    const json report = json::parse(shown.out);
+    volumes.push_back(report["volume_m3"]);
+    masses.push_back(report["mass_kg"]);
+    const Outcome baked = fascicle({"bake", folder / "body.gltf", "-o", folder / "bake", "--overwrite",
+                                    "--end=0.2", "--resolution=300", "--device=cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    std::istringstream rows(read_text(folder / "bake/metrics.csv"));
+    std::string row;
+    std::getline(rows, row);
+    EXPECT_TRUE(row.starts_with("frame,time,kinetic_energy,volume,volume_ratio,")) << row;
+    double least = 1.0;
+    while (std::getline(rows, row)) {
+      std::istringstream cells(row);
+      std::vector<double> values;
+      for (std::string cell; values.size() < 5 && std::getline(cells, cell, ',');)
+        values.push_back(std::stod(cell));
+      if (values.at(0) == 0.0) at_rest.push_back(values.at(3));
+      least = std::min(least, values.at(4));
+    }
+    ratios.push_back(least);
+  }
+  // The two bodies are filled apart, and the floor holds the flesh next to it.
+  EXPECT_NEAR(volumes[1], volumes[0], 0.01 * volumes[0]);
+  EXPECT_NEAR(masses[1], masses[0], 0.01 * masses[0]);
+  EXPECT_NEAR(at_rest[1], at_rest[0], 0.01 * at_rest[0]);
+  EXPECT_LT(ratios[0], 0.999) << "the flesh is pressed, or there is nothing to see";
+  EXPECT_NEAR(1.0 - ratios[1], 1.0 - ratios[0], 0.5 * (1.0 - ratios[0]));
 }
 
 TEST(Bake, DryRunCountsThePreroll) {

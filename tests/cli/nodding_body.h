@@ -16,9 +16,10 @@
 namespace fascicle::tests {
 
 // A glTF file of a body of revolution: rings x spokes vertices and two poles, 1.7 m high. The upper half nods
-// and turns while the whole body moves up and down. `floor`: half the side of a square below it that moves
-// along, m; 0: none.
-inline std::string nodding_body(std::size_t rings, std::size_t spokes, double floor = 0.0) {
+// and turns while the whole body moves up and down and along x, with `speed`, m/s. `floor`: half the side of
+// a square of 21 x 21 vertices 2 cm below it that stays where it is, m; 0: none.
+inline std::string nodding_body(std::size_t rings, std::size_t spokes, double floor = 0.0,
+                                double speed = 0.0) {
   std::vector<float> positions, weights, times, turns, rises;
   std::vector<std::uint16_t> joints;
   std::vector<std::uint32_t> triangles;
@@ -53,13 +54,18 @@ inline std::string nodding_body(std::size_t rings, std::size_t spokes, double fl
       triangles.push_back(corner);
   }
   if (floor > 0.0) {
+    constexpr std::uint32_t across = 20;
     const auto first = static_cast<std::uint32_t>(positions.size() / 3);
-    for (const auto& [x, z] : {std::pair{-1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}, {1.0, -1.0}}) {
-      for (const double value : {floor * x, 0.0, floor * z}) positions.push_back(static_cast<float>(value));
-      weights.insert(weights.end(), {1.0f, 0.0f, 0.0f, 0.0f});
-      joints.insert(joints.end(), {0, 0, 0, 0});
-    }
-    for (const std::uint32_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) triangles.push_back(first + corner);
+    for (std::uint32_t x = 0; x <= across; ++x)
+      for (std::uint32_t z = 0; z <= across; ++z) {
+        for (const double value : {floor * (2.0 * x / across - 1.0), -0.02, floor * (2.0 * z / across - 1.0)})
+          positions.push_back(static_cast<float>(value));
+        weights.insert(weights.end(), {1.0f, 0.0f, 0.0f, 0.0f});
+        joints.insert(joints.end(), {2, 0, 0, 0});
+        if (x == across || z == across) continue;
+        const std::uint32_t corner = first + x * (across + 1) + z, next = corner + across + 1;
+        triangles.insert(triangles.end(), {corner, corner + 1, next + 1, corner, next + 1, next});
+      }
   }
   for (int k = 0; k <= 30; ++k) {
     const double time = 0.05 * k, half = 0.35 * std::sin(7.0 * time), spin = 0.3 * std::sin(4.0 * time);
@@ -68,11 +74,11 @@ inline std::string nodding_body(std::size_t rings, std::size_t spokes, double fl
     for (const double value : {std::sin(half) * std::sin(spin), std::cos(half) * std::sin(spin),
                                std::sin(half) * std::cos(spin), std::cos(half) * std::cos(spin)})
       turns.push_back(static_cast<float>(value));
-    for (const double value : {0.0, 0.12 * std::sin(6.0 * time), 0.0})
+    for (const double value : {speed * time, 0.12 * std::sin(6.0 * time), 0.0})
       rises.push_back(static_cast<float>(value));
   }
-  const std::vector<float> binds{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,      0, 1,
-                                 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.85f, 0, 1};
+  const std::vector<float> binds{1, 0, 0, 0, 0, 1,      0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0,
+                                 0, 0, 1, 0, 0, -0.85f, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   nlohmann::json document{{"asset", {{"version", "2.0"}}}};
   std::string bytes;
   const auto put = [&](const auto& values, int component, const char* type, std::size_t width) {
@@ -89,7 +95,7 @@ inline std::string nodding_body(std::size_t rings, std::size_t spokes, double fl
              joint = put(joints, 5123, "VEC4", 4), index = put(triangles, 5125, "SCALAR", 1),
              bind = put(binds, 5126, "MAT4", 16), time = put(times, 5126, "SCALAR", 1),
              turn = put(turns, 5126, "VEC4", 4), rise = put(rises, 5126, "VEC3", 3);
-  document["accessors"][position]["min"] = {-std::max(floor, 1.0), 0, -std::max(floor, 1.0)};
+  document["accessors"][position]["min"] = {-std::max(floor, 1.0), -0.02, -std::max(floor, 1.0)};
   document["accessors"][position]["max"] = {std::max(floor, 1.0), 1.7, std::max(floor, 1.0)};
   document["accessors"][time]["min"] = {0};
   document["accessors"][time]["max"] = {1.5};
@@ -99,9 +105,10 @@ inline std::string nodding_body(std::size_t rings, std::size_t spokes, double fl
           {"indices", index}}}}}};
   document["nodes"] = {{{"name", "hips"}, {"children", {1}}},
                        {{"name", "chest"}, {"translation", {0, 0.85, 0}}},
-                       {{"mesh", 0}, {"skin", 0}}};
-  document["skins"] = {{{"joints", {0, 1}}, {"inverseBindMatrices", bind}}};
-  document["scenes"] = {{{"nodes", {0, 2}}}};
+                       {{"mesh", 0}, {"skin", 0}},
+                       {{"name", "ground"}}};
+  document["skins"] = {{{"joints", {0, 1, 3}}, {"inverseBindMatrices", bind}}};
+  document["scenes"] = {{{"nodes", {0, 2, 3}}}};
   document["scene"] = 0;
   document["animations"] = {
       {{"name", "nod"},

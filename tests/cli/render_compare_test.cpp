@@ -394,39 +394,54 @@ TEST_F(RenderOfATraveller, IsShownWithItsPathIfThatIsShort) {
   EXPECT_FALSE(picture({"--follow"}) == chosen);
 }
 
-// A man on a floor of 20 m, and his picture without it.
+// A body with and without a floor of 20 m in its file, seen from the side at its own height, where nothing of
+// the floor is above the middle of the picture.
 TEST(RenderOnAFloor, ShowsTheBodyAsLargeAsWithoutIt) {
   const TemporaryFolder folder;
-  std::vector<std::vector<std::size_t>> widths;  // of the body, in each row of its upper half
-  for (const double floor : {0.0, 10.0}) {
-    write_text(folder / "body.gltf", nodding_body(12, 10, floor));
-    const Outcome baked = fascicle({"bake", folder / "body.gltf", "-o", folder / "bake", "--overwrite",
-                                    "--end=0.1", "--resolution=300", "--device=cpu", "-q"});
-    ASSERT_EQ(baked.status, 0) << baked.err;
-    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--compare"}, {"--follow"}}) {
-      std::vector<std::string> command{"render",         folder / "bake", "-o",
-                                       folder / "a.png", "--overwrite",   "--size=160x160",
-                                       "--view=side",    "--tilt=0",      "--frame=0"};
-      command.insert(command.end(), more.begin(), more.end());
-      const Outcome drawn = fascicle(command);
-      ASSERT_EQ(drawn.status, 0) << drawn.err;
-      const Pixels pixels = pixels_of(folder / "a.png");
-      std::vector<std::size_t>& rows = widths.emplace_back();
-      for (unsigned y = 0; y < pixels.height / 2; ++y) {
-        rows.push_back(0);
-        for (unsigned x = 0; x < pixels.width; ++x) {
-          const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
-          rows.back() += p[0] > p[2] + 25 ? 1u : 0u;
-        }
+  // The widths of the body in each row of the picture's upper half.
+  const auto rows_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"render",      folder / "bake",  "-o",          folder / "a.png",
+                                     "--overwrite", "--size=160x160", "--view=side", "--tilt=0"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Outcome drawn = fascicle(command);
+    EXPECT_EQ(drawn.status, 0) << drawn.err;
+    const Pixels pixels = pixels_of(folder / "a.png");
+    std::vector<double> rows;
+    for (unsigned y = 0; y < pixels.height / 2; ++y) {
+      rows.push_back(0.0);
+      for (unsigned x = 0; x < pixels.width; ++x) {
+        const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
+        rows.back() += p[0] > p[2] + 25 ? 1.0 : 0.0;
       }
-      EXPECT_GT(*std::max_element(rows.begin(), rows.end()), pixels.width / 8);
+    }
+    EXPECT_GT(*std::max_element(rows.begin(), rows.end()), pixels.width / 8.0);
+    return rows;
+  };
+  const std::vector<std::vector<std::string>> ways{{"--frame=0"},
+                                                   {"--frame=0", "--compare"},
+                                                   {"--frame=24"},
+                                                   {"--frame=24", "--follow"},
+                                                   {"--frame=24", "--clip", "z=50%"}};
+  std::vector<std::vector<double>> without;
+  for (const double floor : {0.0, 10.0}) {
+    // At 5 m/s it goes 2 m.
+    write_text(folder / "body.gltf", nodding_body(12, 10, floor, 5.0));
+    const Outcome baked = fascicle({"bake", folder / "body.gltf", "-o", folder / "bake", "--overwrite",
+                                    "--end=0.4", "--resolution=300", "--device=cpu", "-q"});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      const std::vector<double> rows = rows_of(ways[k]);
+      if (floor == 0.0) {
+        without.push_back(rows);
+        continue;
+      }
+      // The two bodies are filled apart. Their outlines may differ by a pixel on each side, and where a row
+      // of the picture just misses the top of the head, by all of that.
+      std::size_t others = 0;
+      for (std::size_t y = 0; y < rows.size(); ++y) others += std::abs(rows[y] - without[k][y]) > 2.0 ? 1 : 0;
+      EXPECT_LE(others, 2u) << k;
     }
   }
-  // The bodies are filled apart, so that their edges may differ by a pixel on each side.
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t y = 0; y < widths[k].size(); ++y)
-      EXPECT_NEAR(static_cast<double>(widths[k][y]), static_cast<double>(widths[k + 3][y]), 6.0)
-          << k << ", " << y;
 }
 
 struct Shown {

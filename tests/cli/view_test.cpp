@@ -146,8 +146,8 @@ TEST(View, NamesTheFloorThatItsCameraLeavesOut) {
   const std::string page = read_text(folder / "page.html"), head = "id=\"bake\">";
   const std::size_t begin = page.find(head) + head.size();
   const json bake = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
-  EXPECT_EQ(bake["surroundings"].size(), 4u);
-  EXPECT_EQ(bake["places"], 12 * 10 + 2 + 4);
+  EXPECT_EQ(bake["surroundings"].size(), 21u * 21u);
+  EXPECT_EQ(bake["places"], 12 * 10 + 2 + 21 * 21);
 }
 
 TEST(View, BadUsageAndBadInputAreToldApart) {

@@ -71,7 +71,8 @@ TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
        {"cpu_reference/solver/stages.cpp", "host/build/shares.cpp", "host/build/fibre.cpp",
         "host/build/where.cpp", "host/build/bones.cpp", "host/build/weld.cpp", "host/build/skin_weights.cpp",
         "host/build/tetrahedralize.cpp", "host/drive/drive_source.cpp", "host/rig/pose_interpolation.cpp",
-        "host/base/trigonometry.cpp", "host/made/made_shape.cpp", "host/made/made_bear_motion.cpp"})
+        "host/base/flat.cpp", "host/base/trigonometry.cpp", "host/made/made_shape.cpp",
+        "host/made/made_bear_motion.cpp"})
     EXPECT_TRUE(listed.count(name)) << name;
   for (const auto& [flavour, level] : {std::pair{"O0", "-O0"}, std::pair{"O3_native", "-O3"}}) {
     const std::string output =

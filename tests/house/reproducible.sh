@@ -69,6 +69,7 @@ if [ "${1:-}" = --packages ]; then
     # Timestamps in the files have a resolution of one second, in zip of two.
     [ "$turn" = second ] || sleep 3
   done
+  cmp "$work/first/fascicle-blender.zip" "$build/fascicle-blender.zip" >&2
   compare "$work/first" "$work/second"
   exit
 fi

@@ -66,7 +66,7 @@ Lag lag_behind(const Frames& flesh, const Frames& skinned) {
 }
 
 // Height 1.5 m. The flesh must lag by more than half a millimetre in the mean, but stay within 1 % of the
-// height in the mean (measured 1.7 mm) and 8 % anywhere (measured 67 mm, at an armpit that skinning itself
+// height in the mean (measured 1.4 mm) and 8 % anywhere (measured 52 mm, at an armpit that skinning itself
 // crushes).
 TEST(WalkingMan, FleshFollowsTheSkeletonAndLags) {
   FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
@@ -75,6 +75,8 @@ TEST(WalkingMan, FleshFollowsTheSkeletonAndLags) {
   const Frames skinned = bake(man, {"layers.bone.where={bone_distance={maximum=10}}"}, frames);
   const Frames flesh = bake(man, {}, frames);
   const Lag lag = lag_behind(flesh, skinned);
+  RecordProperty("mean_lag", std::to_string(lag.mean));
+  RecordProperty("largest_lag", std::to_string(lag.largest));
   EXPECT_GT(lag.mean, 0.0005);
   EXPECT_LT(lag.mean, 0.015);
   EXPECT_LT(lag.largest, 0.12);

@@ -74,5 +74,32 @@ TEST(BareScenes, DoNotMeasureLooseVertices) {
   EXPECT_NE(layers(loose), layers(character));
 }
 
+// A floor of 20 m below a body of 1 m, in the same file.
+TEST(BareScenes, DoNotMeasureFloors) {
+  const auto layers = [](const rig::Character& of) {
+    return scene::layers_for_character(of, scene::Stiffness::modulus, "a.glb");
+  };
+  rig::Character character;
+  character.surface = tetrahedron_of(1.0);
+  character.joints.assign(4, {0});
+  character.weights.assign(4, {1.0});
+  rig::Character on_floor = character;
+  for (const auto& [x, z] : {std::pair{-10.0, -10.0}, {-10.0, 10.0}, {10.0, 10.0}, {10.0, -10.0}})
+    on_floor.surface.vertices.emplace_back(x, -0.1, z);
+  on_floor.surface.triangles.push_back({4, 5, 6});
+  on_floor.surface.triangles.push_back({4, 6, 7});
+  on_floor.joints.resize(8, {1});
+  on_floor.weights.resize(8, {1.0});
+  EXPECT_EQ(layers(on_floor), layers(character));
+  EXPECT_EQ(layers(scene::what_layers_go_by({on_floor})), layers(character));
+  // The controls: a sheet that two joints move is cloth, and a sheet alone is the body.
+  rig::Character on_cloth = on_floor;
+  on_cloth.joints.back() = {0};
+  EXPECT_NE(layers(on_cloth), layers(character));
+  rig::Character sheet = on_floor;
+  sheet.surface.triangles.erase(sheet.surface.triangles.begin(), sheet.surface.triangles.end() - 2);
+  EXPECT_EQ(layers(sheet), layers(on_cloth));
+}
+
 }  // namespace
 }  // namespace fascicle::tests

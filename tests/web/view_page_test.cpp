@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/nodding_body.h"
 #include "tests/cli/program.h"
 #include "tests/support/web.h"
 
@@ -141,6 +142,20 @@ TEST(ViewPage, OfBodiesThatAreNoCharacters) {
   // By the legend's colours, each layer covers part of the body.
   for (const auto& [layer, part] : seen["layers"].items()) EXPECT_GT(part.get<double>(), 0.03) << layer;
   EXPECT_GE(seen["layers"].size(), 2u);
+}
+
+// A floor of 20 m in the character's file would leave less than a hundredth of what is drawn to the body.
+TEST(ViewPage, FitsTheBodyAndNotItsFloor) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "body.gltf", nodding_body(12, 10, 10.0));
+  const json decoded =
+      page_of(folder / "body.gltf", folder.path().string(), {"--end", "0.1", "--resolution", "300"});
+  ASSERT_TRUE(decoded.is_object());
+  const json seen = used_page("bodies.mjs", folder.path().string(), shots("view-floor"), "");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["state"], "ready");
+  EXPECT_GT(seen["layers"]["fat"].get<double>(), 0.1) << seen["layers"];
 }
 
 // A cube that slides down a slope, with a camera that follows it, in a browser that loses its GPU.

@@ -8,6 +8,7 @@ import type { Surface } from "../common/film";
 import { nice_above } from "../common/numbers";
 import { FIELD, Stage } from "../common/stage";
 import { Beside, write_distances } from "./beside";
+import { lowest_of, points_to_fit } from "./framing";
 import { marker, Overlays } from "./overlays";
 import type { BesideBake, BodyMessage } from "./protocol";
 import { floor_of } from "./solids";
@@ -131,20 +132,13 @@ export class Picture {
     if (this.is_framed) return;
     this.is_framed = true;
     const radius = 0.5 * new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
-    const floor = floor_of(message.solids, least[1], middle.x, middle.z);
-    const fall = least[1] - floor;
-    this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
-    const beside = arrays.get("surface.surroundings");
+    const lowest = Math.min(least[1], lowest_of(rest));
+    const floor = floor_of(message.solids, lowest, middle.x, middle.z);
+    const fall = lowest - floor;
+    this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     middle.y -= 0.5 * fall;
-    // Leaves room for motion: 1.5 times the size covers most clips, including a jump with raised arms. For a
-    // falling body, both its start and its end are fitted.
-    const points: number[] = [];
-    for (const down of fall > 0 ? [0, fall] : [0])
-      rest.forEach((value, k) => {
-        if (beside?.[Math.floor(k / 3)]) return;
-        points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3)));
-      });
+    const points = points_to_fit(rest, arrays.get("surface.surroundings") ?? null, middle.toArray(), fall);
     const canvas = this.stage.canvas;
     this.stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
   }
