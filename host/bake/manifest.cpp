@@ -18,6 +18,7 @@
 #include "host/formats/formats.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface_objects.h"
+#include "host/model/surroundings.h"
 #include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
@@ -34,9 +35,10 @@ constexpr const char* kind = "fascicle bake";
 Json json_of(const model::Model& model, std::uint64_t hash) {
   std::vector<std::uint64_t> vertices(model.layers.size(), 0);
   std::vector<double> mass(model.layers.size(), 0.0);
+  const std::vector<char> is_beside = model::surroundings_of(model).vertices;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     ++vertices.at(model.layer_of(i));
-    mass.at(model.layer_of(i)) += model.mass[i];
+    if (is_beside[i] == 0) mass.at(model.layer_of(i)) += model.mass[i];
   }
   Json layers = Json::array();
   for (std::size_t k = 0; k < model.layers.size(); ++k)

@@ -16,6 +16,7 @@
 #include "host/base/text.h"
 #include "host/formats/formats.h"
 #include "host/model/overlap.h"
+#include "host/model/surroundings.h"
 
 namespace fascicle::bake {
 
@@ -44,39 +45,39 @@ double cubic_metres(const model::Model& model) {
   return model.unit * model.unit * model.unit;
 }
 
-// The tetrahedra of parts with flesh. Carriers may be as large as a floor, and keep their volume.
-std::vector<char> tetrahedra_of_flesh(const model::Model& model) {
-  const std::vector<char> is_rigid = model::on_rigid_parts(model);
-  std::vector<char> is_flesh;
+// Per tetrahedron: whether it is of the body, and carries no floor, whose carrier may be far larger.
+std::vector<char> tetrahedra_of_body(const model::Model& model, const std::vector<char>& is_beside) {
+  std::vector<char> is_body;
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
-    is_flesh.push_back(is_rigid[model.tetrahedron[t]] == 0 ? 1 : 0);
-  return is_flesh;
+    is_body.push_back(is_beside[model.tetrahedron[t]] == 0 ? 1 : 0);
+  return is_body;
 }
 
 // m^3
-double volume(const model::Model& model, const std::vector<double>& six, const std::vector<char>& is_flesh) {
+double volume(const model::Model& model, const std::vector<double>& six, const std::vector<char>& is_body) {
   double sum = 0.0;
   for (std::size_t t = 0; t < six.size(); ++t)
-    if (is_flesh[t] != 0) sum += six[t];
+    if (is_body[t] != 0) sum += six[t];
   return sum / 6.0 * cubic_metres(model);
 }
 
 // m^3 per layer: a quarter of each tetrahedron for each of its vertices in the layer.
 std::vector<double> layer_volumes(const model::Model& model, const std::vector<double>& six,
-                                  const std::vector<char>& is_flesh) {
+                                  const std::vector<char>& is_body) {
   std::vector<double> sum(model.layers.size(), 0.0);
   for (std::size_t t = 0; t < six.size(); ++t)
-    for (std::size_t k = 0; k < 4 && is_flesh[t] != 0; ++k)
+    for (std::size_t k = 0; k < 4 && is_body[t] != 0; ++k)
       sum[model.layer_of(model.tetrahedron[4 * t + k])] += six[t];
   for (double& volume : sum) volume = volume / 24.0 * cubic_metres(model);
   return sum;
 }
 
 // J
-double kinetic_energy(const model::Model& model, const std::vector<float>& velocities) {
+double kinetic_energy(const model::Model& model, const std::vector<float>& velocities,
+                      const std::vector<char>& is_beside) {
   double sum = 0.0;
   for (std::size_t i = 0; i < model.vertex_count; ++i)
-    sum += model.mass[i] * squared_length(point_at(velocities, i));
+    if (is_beside[i] == 0) sum += model.mass[i] * squared_length(point_at(velocities, i));
   return 0.5 * sum * (model.unit * model.unit);
 }
 
@@ -141,9 +142,10 @@ class MetricsSink final : public formats::FrameSink {
     }
     if (info.model->has_contact()) overlap_.emplace(*info.model);
     six_volumes(*info.model, info.model->rest, six_volumes_);
-    is_flesh_ = tetrahedra_of_flesh(*info.model);
-    rest_volume_ = volume(*info.model, six_volumes_, is_flesh_);
-    rest_layer_volumes_ = layer_volumes(*info.model, six_volumes_, is_flesh_);
+    is_beside_ = model::surroundings_of(*info.model).vertices;
+    is_body_ = tetrahedra_of_body(*info.model, is_beside_);
+    rest_volume_ = volume(*info.model, six_volumes_, is_body_);
+    rest_layer_volumes_ = layer_volumes(*info.model, six_volumes_, is_body_);
     const std::filesystem::path path = info.folder / metrics_name;
     const std::string header = header_line();
     if (info.first == 0) {
@@ -182,14 +184,14 @@ class MetricsSink final : public formats::FrameSink {
   void add_motion(const model::Frame& frame, Line& motion, Line& volumes) {
     const model::Model& model = *info_.model;
     six_volumes(model, frame.positions, six_volumes_);
-    const double now = volume(model, six_volumes_, is_flesh_);
+    const double now = volume(model, six_volumes_, is_body_);
     motion.add(info_.start + static_cast<double>(frame.index) / info_.fps);
-    motion.add(kinetic_energy(model, frame.velocities));
+    motion.add(kinetic_energy(model, frame.velocities, is_beside_));
     motion.add(now);
     motion.add(now / rest_volume_);
     motion.add(largest_displacement(model, frame, *info_.initial));
     motion.add(inverted(six_volumes_));
-    const std::vector<double> of_layers = layer_volumes(model, six_volumes_, is_flesh_);
+    const std::vector<double> of_layers = layer_volumes(model, six_volumes_, is_body_);
     for (std::size_t l = 0; l < of_layers.size(); ++l) {
       volumes.add(of_layers[l]);
       volumes.add(rest_layer_volumes_[l] > 0.0 ? of_layers[l] / rest_layer_volumes_[l] : 1.0);
@@ -247,7 +249,8 @@ class MetricsSink final : public formats::FrameSink {
 
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
-  std::vector<char> is_flesh_;              // per tetrahedron
+  std::vector<char> is_beside_;             // per vertex: carries surroundings
+  std::vector<char> is_body_;               // per tetrahedron
   std::vector<double> six_volumes_;         // of the current frame
   std::optional<LookBody> own_look_body_;   // if the caller has none
   const LookBody* look_body_ = nullptr;

@@ -25,14 +25,18 @@ Vector cross(const Vector& a, const Vector& b) {
 
 bool is_flat(std::span<const Vector> points) {
   if (points.empty()) return false;
-  // From the first point to the one with the largest `distance`.
+  Vector origin = points.front();
+  // From the origin to the point with the largest `distance`.
   const auto farthest = [&](auto distance) {
     const auto nearer = [&](const Vector& a, const Vector& b) {
-      return distance(difference(a, points.front())) < distance(difference(b, points.front()));
+      return distance(difference(a, origin)) < distance(difference(b, origin));
     };
-    return difference(*std::max_element(points.begin(), points.end(), nearer), points.front());
+    return difference(*std::max_element(points.begin(), points.end(), nearer), origin);
   };
   const auto squared = [](const Vector& v) { return dot(v, v); };
+  // An end, whichever point comes first.
+  const Vector end = farthest(squared);
+  for (std::size_t a = 0; a < 3; ++a) origin[a] += end[a];
   const Vector along = farthest(squared);
   const Vector aside = farthest([&](const Vector& d) { return squared(cross(along, d)); });
   const Vector normal = cross(along, aside);

@@ -169,13 +169,13 @@ Body body_of(const rig::Character& character, const scene::Scene& scene, Report&
 
 }  // namespace
 
-BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene) {
+BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene, bool is_prop) {
   Report unread;
   const WeldedSurface welded = prepare_surface(character.surface, scene, unread);
   const SkinWeights weights =
       welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
   return choose_bones_beside(character, welded, find_rigid_parts(character, welded, weights, scene), scene,
-                             false);
+                             is_prop);
 }
 
 std::size_t member_of(const Body& body, std::size_t vertex) {

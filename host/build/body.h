@@ -86,9 +86,10 @@ inline Holding holding_of(const Body& body, std::size_t vertex) {
 }
 
 // The bones of one character of the scene, as make_body chooses them: without the skin of floors, and of
-// large parts that were requested to be rigid. Throws scene::SceneError.
+// large parts that were requested to be rigid. If there would be none, without all rigid parts or without
+// small parts, too, but not of a prop. Throws scene::SceneError.
 struct BoneChoice;
-BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene);
+BoneChoice bones_of(const rig::Character& character, const scene::Scene& scene, bool is_prop = false);
 
 // Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.
 Body make_body(const scene::Scene& scene, Report& report, const BuildOptions& options);

@@ -40,6 +40,8 @@
 #include "host/build/weights.h"
 #include "host/build/where.h"
 #include "host/model/reach.h"
+#include "host/model/surroundings.h"
+#include "host/rig/floors.h"
 
 namespace fascicle::build {
 
@@ -144,26 +146,30 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     model.carried = std::move(carried);
 }
 
-// The longest side of the box around the vertices, m.
-double extent_without_carriers(const Body& body) {
-  std::vector<Vector3d> places;
-  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
-    if (holding_of(body, i) != Holding::carrier) places.push_back(body.mesh.vertices[i]);
-  if (places.empty()) places = body.mesh.vertices;
+// The longest side of the box around the vertices, m; without carriers if there is a floor.
+double extent_without_floors(const Body& body, const scene::Scene& scene) {
+  std::vector<Vector3d> places = body.mesh.vertices;
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  const std::vector<char> is_on_floor =
+      character != nullptr ? rig::on_floors(*character) : std::vector<char>();
+  if (std::find(is_on_floor.begin(), is_on_floor.end(), 1) != is_on_floor.end()) {
+    places.clear();
+    for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
+      if (holding_of(body, i) != Holding::carrier) places.push_back(body.mesh.vertices[i]);
+  }
   if (places.empty()) return 0.0;
   const BoundingBox box = box_around(places);
   return (box.high - box.low).maxCoeff();
 }
 
-// The volumes and masses without carriers and props, if there are any: a floor's carrier may be as large as
-// it.
-void leave_out_rigid_parts(const Model& model, const std::vector<double>& volume, Report& report) {
-  const std::vector<char> is_rigid = model::on_rigid_parts(model);
-  if (std::find(is_rigid.begin(), is_rigid.end(), 1) == is_rigid.end()) return;
+// The volumes and masses without what carries floors, if there are any: it may be far larger than the body.
+void leave_out_surroundings(const Model& model, const std::vector<double>& volume, Report& report) {
+  const std::vector<char> is_beside = model::surroundings_of(model).vertices;
+  if (std::find(is_beside.begin(), is_beside.end(), 1) == is_beside.end()) return;
   report.volume = report.mass = 0.0;
   for (LayerShare& share : report.layers) share.volume = share.mass = 0.0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    if (is_rigid[i] != 0) continue;
+    if (is_beside[i] != 0) continue;
     LayerShare& share = report.layers[model.layer_of(i)];
     share.volume += volume[i];
     share.mass += model.mass[i];
@@ -344,10 +350,10 @@ std::unique_ptr<Ground> lay_ground(const scene::Scene& scene, const BuildOptions
   write_rest(body.mesh, scene.source, model);
 
   if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
-    warn_of_size(extent_without_carriers(body), "the character", scale_root, report);
+    warn_of_size(extent_without_floors(body, scene), "the character", scale_root, report);
   else if (std::holds_alternative<mesh::TetMesh>(scene.geometry) ||
            std::holds_alternative<mesh::SurfaceMesh>(scene.geometry))
-    warn_of_size(extent_without_carriers(body), "the mesh", "set mesh.scale", report);
+    warn_of_size(extent_without_floors(body, scene), "the mesh", "set mesh.scale", report);
 
   ground.rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, ground.rings, report);
@@ -434,7 +440,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   report.surface_vertices = model.surface_count();
   report.surface_triangles = static_cast<std::uint32_t>(model.surface_triangle.size() / 3);
   report.volume = total_volume(body.mesh);
-  leave_out_rigid_parts(model, lumped_volumes(body.mesh), report);
+  leave_out_surroundings(model, lumped_volumes(body.mesh), report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
 }

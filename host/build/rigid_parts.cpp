@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "host/base/flat.h"
 #include "host/base/nearest_name.h"
 #include "host/base/text.h"
 #include "host/build/carriers.h"
@@ -17,7 +18,6 @@
 #include "host/build/skin_weights.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
-#include "host/base/flat.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::build {

@@ -45,7 +45,7 @@ render::Clip clip_of(const std::string& text, const model::Model& model, const r
   const bool share = text.back() == '%';
   const double value = number_of(text.substr(2, text.size() - 2 - (share ? 1 : 0)), "--clip");
   const auto axis = static_cast<std::size_t>(clip.axis);
-  const std::vector<char> is_beside = render::surroundings_of(model).vertices;
+  const std::vector<char> is_beside = model::surroundings_of(model).vertices;
   float low = std::numeric_limits<float>::infinity(), high = -low;
   for (std::size_t i = 0; i < model.vertex_count; ++i) {
     if (is_beside[i] != 0) continue;
@@ -88,7 +88,7 @@ Eigen::Vector3d center_of(std::span<const float> positions, const std::vector<ch
 }
 
 // Which of drawn_points are of the surroundings.
-const std::vector<char>& beside_of(const render::Surroundings& surroundings,
+const std::vector<char>& beside_of(const model::Surroundings& surroundings,
                                    const render::BodyDrawing& drawing) {
   return drawing.draws_tetrahedra() ? surroundings.vertices : surroundings.surface;
 }
@@ -105,7 +105,7 @@ std::vector<float> framed_points(DrawnFrames& frames, const render::BodyDrawing&
   return arguments.compare ? frames.skinned_surface(k) : drawn_points(frames, drawing, k);
 }
 
-const std::vector<char>& beside_of_framed(const render::Surroundings& surroundings,
+const std::vector<char>& beside_of_framed(const model::Surroundings& surroundings,
                                           const render::BodyDrawing& drawing,
                                           const RenderArguments& arguments) {
   return arguments.compare ? surroundings.surface : beside_of(surroundings, drawing);
@@ -114,7 +114,7 @@ const std::vector<char>& beside_of_framed(const render::Surroundings& surroundin
 // The points that must be in view.
 class Survey {
  public:
-  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const render::Surroundings& surroundings,
+  Survey(DrawnFrames& frames, const render::BodyDrawing& drawing, const model::Surroundings& surroundings,
          const RenderArguments& arguments, std::span<const std::uint64_t> shown)
       : frames_(frames), drawing_(drawing), surroundings_(surroundings), arguments_(arguments) {
     std::vector<std::uint64_t> numbers(shown.begin(), shown.end());
@@ -206,7 +206,7 @@ class Survey {
 
   DrawnFrames& frames_;
   const render::BodyDrawing& drawing_;
-  const render::Surroundings& surroundings_;
+  const model::Surroundings& surroundings_;
   const RenderArguments& arguments_;
   std::vector<Shown> shown_;
   bool follows_ = false;
@@ -219,12 +219,13 @@ struct Extent {
   double aspect = 1.0;  // width over height in the camera's axes
 };
 
-Extent extent_of(const Survey& survey, const render::View& view) {
+// `shows_surroundings`: they are drawn, and may be lower than the body.
+Extent extent_of(const Survey& survey, const render::View& view, bool shows_surroundings) {
   const Eigen::Matrix3d axes = render::camera_axes(view);
   Eigen::AlignedBox3d box, world;
   double lowest = std::numeric_limits<double>::infinity();
   survey.visit([&](const Eigen::Vector3d& p, bool is_beside) {
-    lowest = std::min(lowest, p.y());
+    if (!is_beside || shows_surroundings) lowest = std::min(lowest, p.y());
     if (is_beside) return;
     box.extend(Eigen::Vector3d(axes * p));
     world.extend(p);
@@ -353,7 +354,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
     throw UsageError(error.what());
   }
   legend_ = drawing_->legend();
-  surroundings_ = render::surroundings_of(frames.model());
+  surroundings_ = model::surroundings_of(frames.model());
   Survey survey(frames, *drawing_, surroundings_, arguments, shown);
   // Pictures of a body at less than a fifth of what they could show are of the ground, not of the flesh: a
   // fifth of a sheet's cell is 77 pixels.
@@ -361,7 +362,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   follows_by_itself_ = !arguments.follow && survey.gain_of_following(view) > least_gain;
   follows_ = arguments.follow.value_or(follows_by_itself_);
   survey.follow(follows_);
-  const Extent extent = extent_of(survey, view);
+  const Extent extent = extent_of(survey, view, !drawing_->draws_tetrahedra());
   const Size size =
       arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
   render::CameraFit fit(view, size.width, size.height);

@@ -11,6 +11,7 @@
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
 #include "host/model/overlap.h"
+#include "host/model/surroundings.h"
 #include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/image.h"
@@ -62,7 +63,7 @@ class Artist {
   std::optional<model::OverlapMeter> overlap_;  // Mode::contact
   std::optional<render::Looks> looks_;
   std::optional<render::BodyDrawing> drawing_;
-  render::Surroundings surroundings_;
+  model::Surroundings surroundings_;
   render::Legend legend_;
   render::Camera camera_;
   bool follows_ = false, follows_by_itself_ = false;

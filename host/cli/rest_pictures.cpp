@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host/formats/surface.h"
+#include "host/model/surroundings.h"
 #include "host/render/body_shapes.h"
 #include "host/render/camera.h"
 #include "host/render/model_surface.h"
@@ -137,7 +138,7 @@ RestPictures draw_rest(const model::Model& model, const render::Looks* looks, un
 
   const render::View view{35.0, 10.0};
   const Eigen::Matrix3d axes = render::camera_axes(view);
-  const std::vector<char> is_beside = render::surroundings_of(model).vertices;
+  const std::vector<char> is_beside = model::surroundings_of(model).vertices;
   Eigen::AlignedBox3d box, seen;
   std::vector<Eigen::Vector3d> places;
   for (std::uint32_t i = 0; i < body.size() / 3; ++i) {

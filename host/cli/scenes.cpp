@@ -58,7 +58,8 @@ void print_character(const scene::Scene& scene, const rig::Character& character)
   if (scene.characters.empty()) joints = build::bones_of(character, scene).report;
   for (std::size_t k = 0; k < scene.characters.size(); ++k) {
     const scene::Scene own = build::scene_of_character(scene, k);
-    const build::BoneChoice choice = build::bones_of(scene.characters[k].own, own);
+    const build::BoneChoice choice =
+        build::bones_of(scene.characters[k].own, own, scene.characters[k].settings.rigid);
     joints.insert(joints.end(), choice.report.begin(), choice.report.end());
   }
   for (const build::JointReport& joint : joints)

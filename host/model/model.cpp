@@ -3,37 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <numeric>
+
+#include "host/model/surroundings.h"
 
 namespace fascicle::model {
 
-std::vector<char> on_rigid_parts(const Model& model) {
-  std::vector<std::uint32_t> parent(model.vertex_count);
-  std::iota(parent.begin(), parent.end(), std::uint32_t{0});
-  const auto root = [&parent](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (std::size_t k = 0; k < model.tetrahedron.size(); ++k)
-    parent[root(model.tetrahedron[k])] = root(model.tetrahedron[k - k % 4]);
-  std::vector<char> has_flesh(model.vertex_count, 0);  // at the root of each part
-  bool has_any = false;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    if (!model.is_kinematic(i)) {
-      has_flesh[root(i)] = 1;
-      has_any = true;
-    }
-  std::vector<char> is_rigid(model.vertex_count, 0);
-  for (std::uint32_t i = 0; has_any && i < model.vertex_count; ++i) is_rigid[i] = has_flesh[root(i)] == 0;
-  return is_rigid;
-}
-
 double extent(const Model& model) {
-  const std::vector<char> is_rigid = on_rigid_parts(model);
+  const std::vector<char> is_beside = surroundings_of(model).vertices;
   std::array<float, 3> low{}, high{};
   bool is_first = true;
   for (std::size_t i = 0; i < model.vertex_count; ++i) {
-    if (is_rigid[i] != 0) continue;
+    if (is_beside[i] != 0) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float place = model.rest[3 * i + axis];
       low[axis] = is_first ? place : std::min(low[axis], place);

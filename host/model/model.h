@@ -207,12 +207,8 @@ struct Model {                                 // each member has a row in model
 // naming the first array and index that break a promise. Solvers may rely on it.
 void check_model(const Model& model);
 
-// Per vertex: whether its connected part has no flesh that moves freely, while another part has: carriers of
-// rigid skin, which may be as large as a floor, and props.
-std::vector<char> on_rigid_parts(const Model& model);
-
-// The longest side of the axis-aligned bounding box of the rest shape without on_rigid_parts, m; 0 without
-// vertices.
+// The longest side of the axis-aligned bounding box of the rest shape without what carries surroundings
+// (surroundings.h), m; 0 without vertices.
 double extent(const Model& model);
 // The same for each of several characters. Joints from first_joint[k] up to the next entry move the vertices
 // of character k; ascending. With fewer than two characters, the whole body's.

@@ -20,6 +20,7 @@
 #include "host/formats/skinned_surface.h"
 #include "host/formats/surface.h"
 #include "host/model/reach.h"
+#include "host/model/surroundings.h"
 #include "host/page/base64.h"
 #include "host/page/bundle.h"
 #include "host/page/curves.h"
@@ -283,7 +284,7 @@ std::optional<std::string> BakePage::code() {
     for (std::uint32_t& p : place) p = at[p];
   }
   if (!surface_.is_tetrahedra) {
-    const render::Surroundings surroundings = render::surroundings_of(bake_.model());
+    const model::Surroundings surroundings = model::surroundings_of(bake_.model());
     for (std::uint32_t p = 0; p < places_; ++p)
       if (surroundings.surface[used_.source[point[p]]] != 0) surroundings_.push_back(p);
   }

@@ -11,6 +11,7 @@
 
 #include <Eigen/Dense>
 
+#include "host/model/surroundings.h"
 #include "host/render/colour.h"
 
 namespace fascicle::render {
@@ -63,7 +64,7 @@ BodyDrawing::BodyDrawing(const Model& model, const DrawingOptions& options)
     : model_(model), options_(options) {
   draws_tetrahedra_ =
       options.tetrahedra || options.clip || options.mode == Mode::fibres || model.surface_triangle.empty();
-  const Surroundings surroundings = surroundings_of(model);
+  const model::Surroundings surroundings = model::surroundings_of(model);
   if (!draws_tetrahedra_) {
     creased_ = creased_surface(model);
     for (std::uint32_t s = 0; s < model.surface_count(); ++s)

@@ -6,7 +6,6 @@
 
 #include <Eigen/Dense>
 
-#include "host/base/flat.h"
 #include "host/render/image.h"
 
 namespace fascicle::render {
@@ -68,9 +67,6 @@ std::vector<std::uint32_t> first_at_same_place(const Model& model) {
   }
   return result;
 }
-
-// A banner that is as tall as its bearer is part of the picture.
-constexpr double least_surroundings = 2.0;
 
 // An edge where the rest shape bends by more than this is a sharp edge, like those of a box.
 constexpr float crease_cosine = 0.64f;  // 50 degrees
@@ -159,56 +155,6 @@ std::vector<OuterFace> outer_faces(const Model& model, const std::optional<Clip>
     k = end;
   }
   return faces;
-}
-
-Surroundings surroundings_of(const Model& model) {
-  struct Part {
-    std::vector<std::uint32_t> vertices;
-    std::vector<std::array<double, 3>> places;
-    Eigen::AlignedBox3d box;
-    bool follows = true;  // the skeleton moves every vertex
-  };
-  std::vector<std::uint32_t> parent = first_at_same_place(model);
-  const auto root = [&parent](std::uint32_t k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
-  std::vector<char> is_drawn(model.surface_count(), 0);  // vertices without a triangle may lie anywhere
-  for (std::size_t k = 0; k < model.surface_triangle.size(); ++k) {
-    is_drawn[model.surface_triangle[k]] = 1;
-    parent[root(model.surface_triangle[k])] = root(model.surface_triangle[k - k % 3]);
-  }
-  std::map<std::uint32_t, Part> of_root;
-  for (std::uint32_t s = 0; s < model.surface_count(); ++s) {
-    if (is_drawn[s] == 0) continue;
-    Part& part = of_root[root(s)];
-    const Eigen::Vector3d place = surface_rest(model, s).cast<double>();
-    part.vertices.push_back(s);
-    part.places.push_back({place.x(), place.y(), place.z()});
-    part.box.extend(place);
-    for (std::size_t c = 0; c < 4; ++c)
-      part.follows = part.follows && model.is_kinematic(model.surface_vertex[std::size_t{4} * s + c]);
-  }
-  Surroundings result{std::vector<char>(model.surface_count(), 0), std::vector<char>(model.vertex_count, 0)};
-  Eigen::AlignedBox3d rest;
-  bool has_flesh = false;
-  std::vector<const Part*> sheets;
-  for (const auto& [first, part] : of_root) {
-    has_flesh = has_flesh || !part.follows;
-    if (part.follows && base::is_flat(part.places))
-      sheets.push_back(&part);
-    else
-      rest.extend(part.box);
-  }
-  if (!has_flesh) return result;
-  for (const Part* sheet : sheets) {
-    if (!(sheet->box.diagonal().norm() > least_surroundings * rest.diagonal().norm())) continue;
-    for (const std::uint32_t s : sheet->vertices) {
-      result.surface[s] = 1;
-      for (std::size_t c = 0; c < 4; ++c) result.vertices[model.surface_vertex[std::size_t{4} * s + c]] = 1;
-    }
-  }
-  return result;
 }
 
 std::uint32_t layer_of_surface_vertex(const Model& model, std::uint32_t s) {

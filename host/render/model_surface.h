@@ -35,15 +35,6 @@ struct OuterFace {
 // The outer faces of the tetrahedra that a clip leaves.
 std::vector<OuterFace> outer_faces(const model::Model& model, const std::optional<Clip>& clip = {});
 
-// Floors and walls in a character's file: flat separate parts that only the skeleton moves and that are more
-// than twice as long as all the rest of a body with flesh. Pictures that fit them would show the body as a
-// dot.
-struct Surroundings {
-  std::vector<char> surface;   // per render vertex: whether it is on one
-  std::vector<char> vertices;  // per model vertex: whether it carries one
-};
-Surroundings surroundings_of(const model::Model& model);
-
 // The layer with the largest share of a render vertex.
 std::uint32_t layer_of_surface_vertex(const model::Model& model, std::uint32_t s);
 // The layer of most corners of a tetrahedron; in a tie, the lowest.

@@ -47,6 +47,7 @@ std::vector<Part> parts_of(const Character& character) {
   std::vector<char> is_used(surface.vertices.size(), 0);
   for (const auto& triangle : surface.triangles)
     for (const std::uint32_t corner : triangle) {
+      if (*std::max_element(triangle.begin(), triangle.end()) >= parent.size()) break;
       is_used[corner] = 1;
       parent[root(corner)] = root(triangle[0]);
     }
@@ -71,7 +72,7 @@ std::vector<Part> parts_of(const Character& character) {
 
 std::vector<char> on_floors(const Character& character) {
   std::vector<char> result(character.surface.vertices.size(), 0);
-  if (character.surface.triangles.empty()) return result;
+  if (character.joints.size() < result.size() || character.weights.size() < result.size()) return result;
   const std::vector<Part> parts = parts_of(character);
   std::vector<const Part*> sheets;
   Eigen::AlignedBox3d rest;
@@ -82,9 +83,15 @@ std::vector<char> on_floors(const Character& character) {
       rest.extend(part.box);
   }
   if (rest.isEmpty()) return result;
-  for (const Part* sheet : sheets)
+  const Eigen::Vector3d middle = rest.center();
+  for (const Part* sheet : sheets) {
+    // A wing is beside the body, and a floor below it.
+    const auto spans =
+        (sheet->box.min().array() <= middle.array()) && (middle.array() <= sheet->box.max().array());
+    if (spans.count() < 2) continue;
     if (sheet->box.diagonal().norm() > least_length * rest.diagonal().norm())
       for (const std::uint32_t v : sheet->vertices) result[v] = 1;
+  }
   return result;
 }
 

@@ -51,11 +51,12 @@ std::vector<Vector3d> corners_of(const mesh::SurfaceMesh& surface) {
 
 // The corners of a character without floors and walls.
 std::vector<Vector3d> corners_of_body(const rig::Character& character) {
-  // A list of places, from what_layers_go_by.
-  if (character.weights.empty()) return corners_of(character.surface);
   const std::vector<char> is_on_floor = rig::on_floors(character);
   mesh::SurfaceMesh body = character.surface;
-  std::erase_if(body.triangles, [&](const auto& triangle) { return is_on_floor[triangle[0]] != 0; });
+  const auto is_floor = [&](const auto& triangle) {
+    return triangle[0] < is_on_floor.size() && is_on_floor[triangle[0]] != 0;
+  };
+  std::erase_if(body.triangles, is_floor);
   return corners_of(body);
 }
 

@@ -11,6 +11,7 @@
 
 #include "host/gltf/gltf_looks.h"
 #include "host/gltf/gltf_rig.h"
+#include "host/model/surroundings.h"
 #include "host/render/colour.h"
 #include "host/render/model_surface.h"
 #include "host/scene/solids.h"
@@ -80,7 +81,7 @@ std::vector<float> surface_rest(const model::Model& model) {
 
 // One per render vertex; empty if the body has no surroundings.
 std::vector<std::uint8_t> surroundings(const model::Model& model) {
-  const std::vector<char> is_beside = render::surroundings_of(model).surface;
+  const std::vector<char> is_beside = model::surroundings_of(model).surface;
   if (std::count(is_beside.begin(), is_beside.end(), 1) == 0) return {};
   return {is_beside.begin(), is_beside.end()};
 }
@@ -287,9 +288,10 @@ std::vector<ArrayMessage> array_messages(const BodyParts& parts, const BodyLooks
 Json layers_json(const model::Model& model) {
   std::vector<std::uint32_t> vertices(model.layers.size(), 0);
   std::vector<double> masses(model.layers.size(), 0.0);
+  const std::vector<char> is_beside = model::surroundings_of(model).vertices;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     ++vertices[model.layer_of(i)];
-    masses[model.layer_of(i)] += model.mass[i];
+    if (is_beside[i] == 0) masses[model.layer_of(i)] += model.mass[i];
   }
   Json layers = Json::array();
   for (std::size_t l = 0; l < model.layers.size(); ++l)
@@ -333,7 +335,7 @@ std::vector<ArrayMessage> shape_messages(const model::Model& model, const std::s
 // Of the rest shape, m: of the model's vertices but those that carry surroundings, and of what else these
 // carry.
 std::pair<std::array<double, 3>, std::array<double, 3>> bounds_of(const model::Model& model) {
-  const render::Surroundings beside = render::surroundings_of(model);
+  const model::Surroundings beside = model::surroundings_of(model);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
   const auto extend = [&](std::size_t axis, double place) {

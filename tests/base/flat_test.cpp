@@ -41,6 +41,18 @@ TEST(Flat, DoesNotDependOnHowDenselyThePointsLie) {
     EXPECT_EQ(base::is_flat(box(4.0, 4.0, height)), base::is_flat(box(4.0, 4.0, height, 1000))) << height;
 }
 
+TEST(Flat, DoesNotDependOnWhichPointComesFirst) {
+  for (const double height : {0.1, 0.5}) {
+    Points points = box(4.0, 4.0, height);
+    const bool is_flat = base::is_flat(points);
+    std::array<double, 3> middle{0, 0, 0};
+    for (const auto& p : points)
+      for (std::size_t a = 0; a < 3; ++a) middle[a] += p[a] / static_cast<double>(points.size());
+    points.insert(points.begin(), middle);
+    EXPECT_EQ(base::is_flat(points), is_flat) << height;
+  }
+}
+
 TEST(Flat, NeitherIsWhatHasNoArea) {
   EXPECT_FALSE(base::is_flat({}));
   EXPECT_FALSE(base::is_flat(Points{{1, 2, 3}}));

@@ -1,11 +1,8 @@
 // check_model finds every broken promise; validation finds a planted difference and locates it.
 #include "host/model/model.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -370,42 +367,6 @@ TEST(PositionHash, SeesOneBit) {
   const std::uint64_t before = model::position_hash(frame);
   frame.positions[1] = std::nextafter(2.0f, 3.0f);
   EXPECT_NE(model::position_hash(frame), before);
-}
-
-// Two bars in one model, the second of them 10 m away.
-Model two_bars() {
-  Mesh mesh = kuhn_bar(3, 2, 2, 0.25);
-  const Mesh second = mesh;
-  const auto first = static_cast<std::uint32_t>(mesh.points.size());
-  for (auto place : second.points) {
-    place[0] += 10.0;
-    mesh.points.push_back(place);
-  }
-  for (auto corners : second.tetrahedra) {
-    for (std::uint32_t& corner : corners) corner += first;
-    mesh.tetrahedra.push_back(corners);
-  }
-  return make_model(mesh);
-}
-
-TEST(RigidPartsOfModels, AreThoseWithoutFleshBesideFlesh) {
-  Model model = two_bars();
-  const std::uint32_t count = model.vertex_count, half = count / 2;
-  const double whole = model::extent(model);
-  EXPECT_GT(whole, 10.0);
-  EXPECT_EQ(model::on_rigid_parts(model), std::vector<char>(count, 0));
-  // Kinematic but for one vertex: it still has flesh.
-  for (std::uint32_t i = half + 1; i < count; ++i) make_kinematic(model, i);
-  EXPECT_EQ(model::on_rigid_parts(model), std::vector<char>(count, 0));
-  make_kinematic(model, half);
-  std::vector<char> second(count, 0);
-  std::fill(second.begin() + half, second.end(), 1);
-  EXPECT_EQ(model::on_rigid_parts(model), second);
-  EXPECT_DOUBLE_EQ(model::extent(model), model::extent(make_model(kuhn_bar(3, 2, 2, 0.25))));
-  // Without any flesh, all of it is the body.
-  for (std::uint32_t i = 0; i < half; ++i) make_kinematic(model, i);
-  EXPECT_EQ(model::on_rigid_parts(model), std::vector<char>(count, 0));
-  EXPECT_EQ(model::extent(model), whole);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // Light and shadow in known configurations.
 #include "host/render/light.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -136,6 +138,37 @@ TEST(StudioLamps, KeyComesFromTheUpperLeftOfTheCamera) {
 
 // Shading uses the given normals, not just the triangles: with normals turned away from the key light, a
 // plate is darker.
+// A floor of 20 m in the body's shape, which shadow maps need not reach: the shadows are those of the body
+// alone.
+TEST(StudioLamps, HaveTheirTexelsForTheBody) {
+  const render::Shape ball = sphere({0, 0, 0}, 1.0f, white, 32);
+  render::Shape both = ball;
+  const render::Shape floor = square({0, -3, 0}, {10, 0, 0}, {0, 0, -10}, white);
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  both.is_beside.assign(first, 0);
+  for (std::size_t k = 0; k < floor.positions.size(); ++k) {
+    both.positions.push_back(floor.positions[k]);
+    both.normals.push_back(floor.normals[k]);
+    both.colours.push_back(floor.colours[k]);
+    both.is_beside.push_back(1);
+  }
+  for (const auto& t : floor.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const auto shades_of = [](const render::Shape& shape) {
+    std::vector<float> shades;
+    for (const render::Lamp& lamp : render::studio_lamps({&shape, 1}, camera_on_z(5.0, 2.0, 320, 240), 1))
+      for (float x = -4.0f; x <= 4.0f; x += 0.05f)
+        for (float z = -4.0f; z <= 4.0f; z += 0.05f)
+          shades.push_back(lamp.shadow.visibility({x, -1.5f, z}, Vector3f::UnitY()));
+    return shades;
+  };
+  const std::vector<float> alone = shades_of(ball);
+  EXPECT_NE(std::count(alone.begin(), alone.end(), 0.0f), 0);
+  EXPECT_TRUE(shades_of(both) == alone);
+  // The control: a shape that says nothing of its floor has coarser shadows.
+  both.is_beside.clear();
+  EXPECT_FALSE(shades_of(both) == alone);
+}
+
 TEST(Render, BrightnessFollowsTheNormal) {
   const auto brightness = [](const Vector3f& normal) {
     render::Shape plate = square({0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, {0.5f, 0.5f, 0.5f});

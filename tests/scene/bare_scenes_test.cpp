@@ -92,6 +92,22 @@ TEST(BareScenes, DoNotMeasureFloors) {
   on_floor.weights.resize(8, {1.0});
   EXPECT_EQ(layers(on_floor), layers(character));
   EXPECT_EQ(layers(scene::what_layers_go_by({on_floor})), layers(character));
+  // Before its parts are checked, a character may lack joints or name vertices that it does not have.
+  rig::Character incomplete = on_floor;
+  incomplete.joints.clear();
+  EXPECT_NE(layers(incomplete), layers(character));
+  rig::Character broken = on_floor;
+  broken.surface.triangles.push_back({0, 1, 4000000000U});
+  EXPECT_EQ(layers(broken), layers(character));
+  // A wing that is three times as long as the body is part of it.
+  rig::Character winged = character;
+  for (const double x : {1.2, 4.2})
+    for (const double z : {-0.5, 1.5}) winged.surface.vertices.emplace_back(x, 0.9, z);
+  winged.surface.triangles.push_back({4, 5, 6});
+  winged.surface.triangles.push_back({6, 5, 7});
+  winged.joints.resize(8, {1});
+  winged.weights.resize(8, {1.0});
+  EXPECT_NE(layers(winged), layers(character));
   // The controls: a sheet that two joints move is cloth, and a sheet alone is the body.
   rig::Character on_cloth = on_floor;
   on_cloth.joints.back() = {0};

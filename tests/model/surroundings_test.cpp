@@ -1,5 +1,5 @@
 // The surroundings of a body in a character's file, which pictures do not fit.
-#include "host/render/model_surface.h"
+#include "host/model/surroundings.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace {
 
 // Per box, whether all or none of its eight vertices are of the surroundings.
 std::vector<int> surroundings_of(const model::Model& model) {
-  const std::vector<char> is_beside = render::surroundings_of(model).surface;
+  const std::vector<char> is_beside = model::surroundings_of(model).surface;
   std::vector<int> result;
   for (std::size_t first = 0; first < is_beside.size(); first += 8) {
     const auto count = std::count(is_beside.begin() + static_cast<std::ptrdiff_t>(first),
@@ -39,7 +39,7 @@ TEST(Surroundings, AreFloorsAndWallsThatTheSkeletonMoves) {
 
 TEST(Surroundings, AreCarriedByVerticesOfTheModel) {
   const model::Model model = bar_and_boxes({floor_of_4_m});
-  const render::Surroundings beside = render::surroundings_of(model);
+  const model::Surroundings beside = model::surroundings_of(model);
   ASSERT_EQ(beside.vertices.size(), model.vertex_count);
   EXPECT_EQ(std::count(beside.vertices.begin(), beside.vertices.end(), 1), 8);
   EXPECT_EQ(std::count(beside.vertices.end() - 8, beside.vertices.end(), 1), 8);
@@ -47,13 +47,13 @@ TEST(Surroundings, AreCarriedByVerticesOfTheModel) {
 
 TEST(Surroundings, DoNotDependOnVerticesThatNoTriangleHas) {
   model::Model stray = bar_and_boxes({floor_of_4_m});
-  const std::vector<char> before = render::surroundings_of(stray).surface;
+  const std::vector<char> before = model::surroundings_of(stray).surface;
   const std::uint32_t vertex = stray.vertex_count++;
   stray.rest.insert(stray.rest.end(), {1000.0f, 0.0f, 0.0f});
   stray.tag.push_back(0U);
   stray.surface_vertex.insert(stray.surface_vertex.end(), 4, vertex);
   stray.surface_weight.insert(stray.surface_weight.end(), {1.0f, 0.0f, 0.0f, 0.0f});
-  std::vector<char> after = render::surroundings_of(stray).surface;
+  std::vector<char> after = model::surroundings_of(stray).surface;
   EXPECT_EQ(after.back(), 0);
   after.pop_back();
   EXPECT_EQ(after, before);
@@ -67,6 +67,18 @@ TEST(Surroundings, AreNoFleshNoRodsNoBlocksAndNoSmallSheets) {
   const Box banner{{0, 0, 0}, {0.8f, 2.0f, 0.01f}};
   for (const Box& box : {spear, block, banner})
     EXPECT_EQ(surroundings_of(bar_and_boxes({box})), (std::vector<int>{0, 0}));
+}
+
+// Wings are beside the body, however large, and a floor below it.
+TEST(Surroundings, AreNoWings) {
+  const Box left{{-4, 0.25f, 0}, {-0.1f, 0.26f, 3}}, right{{1.1f, 0.25f, 0}, {5, 0.26f, 3}};
+  EXPECT_EQ(surroundings_of(bar_and_boxes({left, right})), (std::vector<int>{0, 0, 0}));
+}
+
+TEST(Surroundings, AreNoPartOfTheExtent) {
+  EXPECT_DOUBLE_EQ(model::extent(bar_and_boxes({floor_of_4_m})), 1.0);
+  // The control: a block is.
+  EXPECT_NEAR(model::extent(bar_and_boxes({{{-2, -1, -2}, {2, 0, 2}}})), 4.0, 1e-5);
 }
 
 // A character without flesh, such as a robot, may consist of sheets.
