@@ -12,44 +12,48 @@ namespace fascicle::model {
 
 namespace {
 
-using Place = std::array<double, 3>;
+using RestPlace = std::array<double, 3>;
 
 // A banner that is as tall as its bearer is part of the picture.
 constexpr double least_length = 2.0;
 
-class Box {
+class PlaceBox {
  public:
-  void extend(const Place& p) {
+  void extend(const RestPlace& p) {
     for (std::size_t a = 0; a < 3; ++a) {
       low_[a] = std::min(low_[a], p[a]);
       high_[a] = std::max(high_[a], p[a]);
     }
   }
   double diagonal() const { return std::hypot(high_[0] - low_[0], high_[1] - low_[1], high_[2] - low_[2]); }
-  Place middle() const {
+  RestPlace middle() const {
     return {(low_[0] + high_[0]) / 2.0, (low_[1] + high_[1]) / 2.0, (low_[2] + high_[2]) / 2.0};
   }
-  int axes_that_hold(const Place& p) const {
-    int count = 0;
-    for (std::size_t a = 0; a < 3; ++a) count += low_[a] <= p[a] && p[a] <= high_[a] ? 1 : 0;
-    return count;
+  // Along its two longest axes.
+  bool spans(const RestPlace& p) const {
+    std::size_t shortest = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+      if (high_[a] - low_[a] < high_[shortest] - low_[shortest]) shortest = a;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (a != shortest && !(low_[a] <= p[a] && p[a] <= high_[a])) return false;
+    return true;
   }
 
  private:
   static constexpr double infinity_ = std::numeric_limits<double>::infinity();
-  Place low_{infinity_, infinity_, infinity_}, high_{-infinity_, -infinity_, -infinity_};
+  RestPlace low_{infinity_, infinity_, infinity_}, high_{-infinity_, -infinity_, -infinity_};
 };
 
-struct Part {
+struct RenderPart {
   std::vector<std::uint32_t> vertices;
-  std::vector<Place> places;
-  Box box;
+  std::vector<RestPlace> places;
+  PlaceBox box;
   bool follows = true;  // the skeleton moves every vertex
 };
 
 // At rest, working units.
-std::vector<Place> places_of(const Model& model) {
-  std::vector<Place> places(model.surface_count(), Place{0.0, 0.0, 0.0});
+std::vector<RestPlace> places_of(const Model& model) {
+  std::vector<RestPlace> places(model.surface_count(), RestPlace{0.0, 0.0, 0.0});
   for (std::size_t k = 0; k < model.surface_vertex.size(); ++k)
     for (std::size_t a = 0; a < 3; ++a)
       places[k / 4][a] +=
@@ -58,11 +62,11 @@ std::vector<Place> places_of(const Model& model) {
 }
 
 // Of vertices that triangles have: others may lie anywhere.
-std::vector<Part> parts_of(const Model& model) {
-  const std::vector<Place> places = places_of(model);
+std::vector<RenderPart> parts_of(const Model& model) {
+  const std::vector<RestPlace> places = places_of(model);
   std::map<std::array<float, 3>, std::uint32_t> first;  // floats: the two sides of a seam differ by rounding
   std::vector<std::uint32_t> parent;
-  for (const Place& p : places) {
+  for (const RestPlace& p : places) {
     const std::array<float, 3> rounded{static_cast<float>(p[0]), static_cast<float>(p[1]),
                                        static_cast<float>(p[2])};
     parent.push_back(first.try_emplace(rounded, static_cast<std::uint32_t>(parent.size())).first->second);
@@ -76,13 +80,13 @@ std::vector<Part> parts_of(const Model& model) {
     is_drawn[model.surface_triangle[k]] = 1;
     parent[root(model.surface_triangle[k])] = root(model.surface_triangle[k - k % 3]);
   }
-  std::vector<Part> parts;
+  std::vector<RenderPart> parts;
   std::map<std::uint32_t, std::size_t> part_of;  // root, part
   for (std::uint32_t s = 0; s < places.size(); ++s) {
     if (is_drawn[s] == 0) continue;
     const auto [entry, is_new] = part_of.try_emplace(root(s), parts.size());
     if (is_new) parts.emplace_back();
-    Part& part = parts[entry->second];
+    RenderPart& part = parts[entry->second];
     part.vertices.push_back(s);
     part.places.push_back(places[s]);
     part.box.extend(places[s]);
@@ -96,21 +100,21 @@ std::vector<Part> parts_of(const Model& model) {
 
 Surroundings surroundings_of(const Model& model) {
   Surroundings result{std::vector<char>(model.surface_count(), 0), std::vector<char>(model.vertex_count, 0)};
-  const std::vector<Part> parts = parts_of(model);
-  Box rest;
+  const std::vector<RenderPart> parts = parts_of(model);
+  PlaceBox rest;
   bool has_flesh = false;
-  std::vector<const Part*> sheets;
-  for (const Part& part : parts) {
+  std::vector<const RenderPart*> sheets;
+  for (const RenderPart& part : parts) {
     has_flesh = has_flesh || !part.follows;
     if (part.follows && base::is_flat(part.places))
       sheets.push_back(&part);
     else
-      for (const Place& p : part.places) rest.extend(p);
+      for (const RestPlace& p : part.places) rest.extend(p);
   }
   if (!has_flesh) return result;
-  for (const Part* sheet : sheets) {
+  for (const RenderPart* sheet : sheets) {
     // A wing is beside the body, and a floor below it.
-    if (sheet->box.axes_that_hold(rest.middle()) < 2) continue;
+    if (!sheet->box.spans(rest.middle())) continue;
     if (!(sheet->box.diagonal() > least_length * rest.diagonal())) continue;
     for (const std::uint32_t s : sheet->vertices) {
       result.surface[s] = 1;

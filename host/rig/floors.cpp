@@ -86,9 +86,11 @@ std::vector<char> on_floors(const Character& character) {
   const Eigen::Vector3d middle = rest.center();
   for (const Part* sheet : sheets) {
     // A wing is beside the body, and a floor below it.
-    const auto spans =
-        (sheet->box.min().array() <= middle.array()) && (middle.array() <= sheet->box.max().array());
-    if (spans.count() < 2) continue;
+    Eigen::Index shortest = 0;
+    sheet->box.sizes().minCoeff(&shortest);
+    Eigen::AlignedBox3d column = sheet->box;
+    column.min()[shortest] = column.max()[shortest] = middle[shortest];
+    if (!column.contains(middle)) continue;
     if (sheet->box.diagonal().norm() > least_length * rest.diagonal().norm())
       for (const std::uint32_t v : sheet->vertices) result[v] = 1;
   }

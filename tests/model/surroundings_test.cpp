@@ -13,7 +13,7 @@ namespace fascicle::tests {
 namespace {
 
 // Per box, whether all or none of its eight vertices are of the surroundings.
-std::vector<int> surroundings_of(const model::Model& model) {
+std::vector<int> boxes_beside(const model::Model& model) {
   const std::vector<char> is_beside = model::surroundings_of(model).surface;
   std::vector<int> result;
   for (std::size_t first = 0; first < is_beside.size(); first += 8) {
@@ -28,12 +28,12 @@ std::vector<int> surroundings_of(const model::Model& model) {
 const Box floor_of_4_m{{-2, -0.01f, -2}, {2, 0, 2}}, wall_of_10_m{{-5, 0, -5}, {5, 10, -4.9f}};
 
 TEST(Surroundings, AreFloorsAndWallsThatTheSkeletonMoves) {
-  EXPECT_EQ(surroundings_of(bar_and_boxes({})), (std::vector<int>{0}));
-  EXPECT_EQ(surroundings_of(bar_and_boxes({floor_of_4_m})), (std::vector<int>{0, 1}));
-  EXPECT_EQ(surroundings_of(bar_and_boxes({wall_of_10_m, floor_of_4_m})), (std::vector<int>{0, 1, 1}));
+  EXPECT_EQ(boxes_beside(bar_and_boxes({})), (std::vector<int>{0}));
+  EXPECT_EQ(boxes_beside(bar_and_boxes({floor_of_4_m})), (std::vector<int>{0, 1}));
+  EXPECT_EQ(boxes_beside(bar_and_boxes({wall_of_10_m, floor_of_4_m})), (std::vector<int>{0, 1, 1}));
   // Of a room, each is compared with the body alone.
   const Box wall_of_5_m{{-2, 0.1f, -2.1f}, {2, 3, -2.05f}}, ceiling{{-2, 3.1f, -2}, {2, 3.15f, 2}};
-  EXPECT_EQ(surroundings_of(bar_and_boxes({floor_of_4_m, wall_of_5_m, ceiling})),
+  EXPECT_EQ(boxes_beside(bar_and_boxes({floor_of_4_m, wall_of_5_m, ceiling})),
             (std::vector<int>{0, 1, 1, 1}));
 }
 
@@ -62,17 +62,17 @@ TEST(Surroundings, DoNotDependOnVerticesThatNoTriangleHas) {
 TEST(Surroundings, AreNoFleshNoRodsNoBlocksAndNoSmallSheets) {
   model::Model soft = bar_and_boxes({floor_of_4_m});
   soft.tag.back() = 0;
-  EXPECT_EQ(surroundings_of(soft), (std::vector<int>{0, 0}));
+  EXPECT_EQ(boxes_beside(soft), (std::vector<int>{0, 0}));
   const Box spear{{0, 0, 0}, {4, 0.02f, 0.02f}}, block{{-2, -1, -2}, {2, 0, 2}};
   const Box banner{{0, 0, 0}, {0.8f, 2.0f, 0.01f}};
   for (const Box& box : {spear, block, banner})
-    EXPECT_EQ(surroundings_of(bar_and_boxes({box})), (std::vector<int>{0, 0}));
+    EXPECT_EQ(boxes_beside(bar_and_boxes({box})), (std::vector<int>{0, 0}));
 }
 
 // Wings are beside the body, however large, and a floor below it.
 TEST(Surroundings, AreNoWings) {
   const Box left{{-4, 0.25f, 0}, {-0.1f, 0.26f, 3}}, right{{1.1f, 0.25f, 0}, {5, 0.26f, 3}};
-  EXPECT_EQ(surroundings_of(bar_and_boxes({left, right})), (std::vector<int>{0, 0, 0}));
+  EXPECT_EQ(boxes_beside(bar_and_boxes({left, right})), (std::vector<int>{0, 0, 0}));
 }
 
 TEST(Surroundings, AreNoPartOfTheExtent) {
@@ -85,7 +85,7 @@ TEST(Surroundings, AreNoPartOfTheExtent) {
 TEST(Surroundings, AreBesideFlesh) {
   model::Model robot = bar_and_boxes({floor_of_4_m});
   std::fill(robot.tag.begin(), robot.tag.end(), shader::tag_kinematic);
-  EXPECT_EQ(surroundings_of(robot), (std::vector<int>{0, 0}));
+  EXPECT_EQ(boxes_beside(robot), (std::vector<int>{0, 0}));
 }
 
 }  // namespace
