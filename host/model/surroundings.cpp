@@ -40,8 +40,8 @@ class PlaceBox {
   }
 
  private:
-  static constexpr double infinity_ = std::numeric_limits<double>::infinity();
-  RestPlace low_{infinity_, infinity_, infinity_}, high_{-infinity_, -infinity_, -infinity_};
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  RestPlace low_{infinity, infinity, infinity}, high_{-infinity, -infinity, -infinity};
 };
 
 struct RenderPart {
