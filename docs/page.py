@@ -150,7 +150,7 @@ def figure_10(n, assets):
     d = n["volume, mean difference"]
     parts = [picture("An arm curls in five stills; above with muscles, below without", "figure-10.png"),
              picture("The volume of the whole arm over the curl, with muscles and without", "volume.svg"),
-             "`fascicle bake arm -o out` bakes it.\n"]
+             "`fascicle bake arm -o out/figure-10` bakes it.\n"]
     if assets:
         parts += ["A man with a muscle that takes five lines of scene file ([examples/curling-man.toml](examples/curling-man.toml)), above, and without it, below. Model: `mh_muscle.glb`, built from the "
                   "MakeHuman base mesh, CC0; it is not part of the project. Frames 0, 40 and 60. The muscle moves the skin by up to "

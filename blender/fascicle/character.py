@@ -84,10 +84,10 @@ def _flat(vectors):
     return array("f", (x for vector in vectors for x in vector))
 
 
-def _weights_by_group(mesh, group_name):
-    """The weight of each vertex in a group; 0 where there is no such group."""
+def _weights_by_group(mesh, group_name, elsewhere=0.0):
+    """The weight of each vertex in a group; `elsewhere` outside it, and where there is no such group."""
     group = mesh.vertex_groups.get(group_name)
-    values = array("f", bytes(4 * len(mesh.data.vertices)))
+    values = array("f", [elsewhere]) * len(mesh.data.vertices)
     if group:
         for vertex in mesh.data.vertices:
             for member in vertex.groups:
@@ -129,9 +129,11 @@ def _painted(mesh, settings):
             if layers[layer][vertex] >= 0.5:
                 numbers[vertex] = LAYER_NUMBERS[layer]
         attributes["_LAYER"] = numbers
-    for attribute, group in (("_RIGID", settings.rigid_group), ("_STIFFNESS", settings.stiffness_group)):
+    # Vertices outside the group are as stiff as their layer.
+    for attribute, group, elsewhere in (("_RIGID", settings.rigid_group, 0.0),
+                                        ("_STIFFNESS", settings.stiffness_group, 1.0)):
         if group:
-            attributes[attribute] = _weights_by_group(mesh, group)
+            attributes[attribute] = _weights_by_group(mesh, group, elsewhere)
     for layer in settings.layers:
         if layer.group:
             attributes[attribute_name(layer.group)] = _weights_by_group(mesh, layer.group)

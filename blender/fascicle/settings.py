@@ -7,7 +7,7 @@ from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProp
 from . import character
 
 QUALITIES = (("draft", "Draft", "For tries: coarse steps"), ("normal", "Normal", "For most work"),
-             ("final", "Final", "Three times as many steps, a sixth of the error"))
+             ("final", "Final", "Three times as many steps, a seventh to two thirds of the error"))
 ATTACHMENTS = (("MESH_CACHE", "Mesh Cache", "A modifier that reads the bake's file: exact, and the scene stays small"),
                ("SHAPE_KEYS", "Shape Keys", "A shape key a frame inside the .blend file: for export to other programs"))
 RANGES = (("ACTION", "Action", "From the first to the last key of the action"),
@@ -72,7 +72,8 @@ class FascicleSettings(bpy.types.PropertyGroup):
     fat_group: StringProperty(name="Fat", description="Vertex group: the flesh below is fat")
     rigid_group: StringProperty(name="Rigid", description="Vertex group: skin that follows its bones alone")
     stiffness_group: StringProperty(
-        name="Stiffness", description="Vertex group: weights from 0.01 to 1 multiply the stiffness")
+        name="Stiffness", description="Vertex group: weights from 0.01 to 1 multiply the stiffness; "
+                                      "flesh outside the group keeps its own")
     layers: CollectionProperty(type=FascicleLayer)
     layer_index: IntProperty()
 

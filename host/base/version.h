@@ -10,6 +10,6 @@ inline constexpr const char* fascicle_version = FASCICLE_VERSION;
 
 // Incremented whenever a scene gets a different model (its hash) or solvers compute different bits for it.
 // Two bakes are comparable only within one version.
-inline constexpr std::uint32_t solver_version = 21;
+inline constexpr std::uint32_t solver_version = 22;
 
 }  // namespace fascicle::base

@@ -353,13 +353,13 @@ class Reader {
           value[axis] = length > 0.0 ? turned[axis] * (raw.norm() / length) : 0.0;
       }
       widen(*attribute, width);
-      // Vertices of earlier primitives without it have 0.
-      attribute->values.resize(attribute->width * (all - count), 0.0);
+      // Vertices of earlier primitives without it.
+      attribute->values.resize(attribute->width * (all - count), rig::value_elsewhere(name));
       widen(own, attribute->width);
       attribute->values.insert(attribute->values.end(), own.values.begin(), own.values.end());
     }
     for (rig::PaintedAttribute& attribute : character_.painted)
-      attribute.values.resize(attribute.width * all, 0.0);
+      attribute.values.resize(attribute.width * all, rig::value_elsewhere(attribute.name));
   }
 
   void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const GltfPart& source,

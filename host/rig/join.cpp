@@ -85,7 +85,7 @@ void add_clip(const Placed& placed, std::uint32_t first_joint, Clip& all) {
   all.name += (all.name.empty() ? "" : " + ") + placed.name + "/" + placed.clip->name;
 }
 
-// 0 on the characters that lack the attribute.
+// Characters that lack the attribute get value_elsewhere.
 void add_painted(const Placed& placed, std::size_t first_vertex, Character& all) {
   for (PaintedAttribute one : placed.character->painted) {
     auto found = std::find_if(all.painted.begin(), all.painted.end(),
@@ -98,7 +98,7 @@ void add_painted(const Placed& placed, std::size_t first_vertex, Character& all)
                              " on another; paint the same count on both, or rename one of them");
     widen(*found, one.width);
     widen(one, found->width);
-    found->values.resize(first_vertex * one.width, 0.0);
+    found->values.resize(first_vertex * one.width, value_elsewhere(one.name));
     found->values.insert(found->values.end(), one.values.begin(), one.values.end());
   }
 }
@@ -135,7 +135,7 @@ Character joined(std::span<const Placed> characters) {
     for (const std::string& note : placed.character->notes) all.notes.push_back(placed.name + ": " + note);
   }
   for (PaintedAttribute& painted : all.painted)
-    painted.values.resize(all.surface.vertices.size() * painted.width, 0.0);
+    painted.values.resize(all.surface.vertices.size() * painted.width, value_elsewhere(painted.name));
   if (plays) all.clips.push_back(std::move(clip));
   return all;
 }

@@ -25,6 +25,11 @@ const PaintKind* find_paint_kind(std::string_view name) {
   return nullptr;
 }
 
+double value_elsewhere(std::string_view attribute) {
+  const PaintKind* kind = find_paint_kind(attribute);
+  return kind != nullptr ? kind->elsewhere : 0.0;
+}
+
 std::string surface_hash(const mesh::SurfaceMesh& surface) {
   base::ContentHash hash;
   hash.add(std::uint64_t{surface.vertices.size()});

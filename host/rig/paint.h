@@ -19,12 +19,14 @@ struct PaintKind {
   double least = 0.0, most = 0.0;  // range of each number
   bool is_whole = false;
   bool is_direction = false;  // unit length, or 0: not painted
-  double elsewhere = 0.0;     // used where neither the character's file nor the paint has a value
+  double elsewhere = 0.0;     // used where neither a character's file nor the paint has a value
 };
 // _RIGID, _LAYER, _STIFFNESS, _FIBER.
 std::span<const PaintKind> paint_kinds();
 // Null if there is no kind of that name.
 const PaintKind* find_paint_kind(std::string_view name);
+// What meshes and characters have that lack an attribute which others have: its kind's `elsewhere`, or 0.
+double value_elsewhere(std::string_view attribute);
 
 // Single precision, as glTF stores them.
 struct PaintedVertices {

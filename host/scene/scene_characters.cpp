@@ -175,23 +175,6 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
            " and which the scene uses; paint both, or remove it from the scene");
 }
 
-// If a paint file paints an attribute on one character, adds it to the others with its unpainted value.
-void complete_paint(const std::vector<FilePaint>& paint, Scene& scene) {
-  for (const rig::PaintKind& kind : rig::paint_kinds()) {
-    const bool is_painted = std::any_of(paint.begin(), paint.end(),
-                                        [&](const FilePaint& one) { return one.names.contains(kind.name); });
-    if (!is_painted || kind.elsewhere == 0.0) continue;
-    for (PlacedCharacter& one : scene.characters) {
-      const bool has = std::any_of(one.own.painted.begin(), one.own.painted.end(),
-                                   [&](const rig::PaintedAttribute& a) { return a.name == kind.name; });
-      if (!has)
-        one.own.painted.push_back(
-            {kind.name, kind.width,
-             std::vector<double>(kind.width * one.own.surface.vertices.size(), kind.elsewhere)});
-    }
-  }
-}
-
 void read_named_characters(const toml::table& root, const std::filesystem::path& folder, LoadedFiles* files,
                            Scene& scene) {
   std::vector<FilePaint> paint;
@@ -214,7 +197,6 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         }
         scene.characters.push_back(std::move(character));
       });
-  complete_paint(paint, scene);
   put_bearers_first(root, scene);
   try {
     join_characters(scene);

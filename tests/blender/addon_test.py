@@ -204,6 +204,8 @@ class Settings(WithBlender):
         self.assertNotIn("--softness", " ".join(found["options"]))
         painted = found["attributes"]
         self.assertEqual(painted["_LAYER"], [1.0] * (count // 4) + [0.0] * (count - count // 4))
+        # Flesh outside the group is as stiff as its layer.
+        self.assertEqual(painted["_STIFFNESS"], [0.5] * (count // 2) + [1.0] * (count - count // 2))
         self.assertEqual(painted["_GROUP_BELLY_FAT"][:2], [0.25, 0.0])
         self.assertEqual(sum(painted["_GROUP_BELLY_FAT"]), 0.25 + count // 2 - count // 4)
         layers = {layer["name"]: layer for layer in found["manifest"]["scene"]["layers"]}

@@ -334,7 +334,8 @@ def painted(path, said):
     for name, where in (("hard", range(0, count // 4)), ("belly fat", range(count // 4, count // 2))):
         mesh.vertex_groups.new(name=name).add(list(where), 1.0, "REPLACE")
     mesh.vertex_groups["belly fat"].add([0], 0.25, "REPLACE")
-    settings.bone_group = "hard"
+    mesh.vertex_groups.new(name="soft").add(list(range(count // 2)), 0.5, "REPLACE")
+    settings.bone_group, settings.stiffness_group = "hard", "soft"
     bpy.context.view_layer.objects.active = mesh
     mesh.vertex_groups.active_index = mesh.vertex_groups["belly fat"].index
     bpy.ops.fascicle.edit_list(which="layers", what="ADD")

@@ -415,34 +415,46 @@ TEST(Gltf, too_much_paint_is_left_out_and_named) {
 // The column's raw units are centimetres with Z up: a fibre along z is along y in the bind pose.
 TEST(Gltf, painted_attributes_are_carried) {
   GltfBuilder b = column();
-  std::vector<float> layer, fibre;
+  std::vector<float> layer, stiffness, fibre;
   std::vector<std::uint8_t> colour;
   for (int i = 0; i < 12; ++i) {
     layer.push_back(static_cast<float>(i % 4));
+    stiffness.push_back(static_cast<float>(i % 4) / 4.0f);
     fibre.insert(fibre.end(), {0.0f, 0.0f, i < 6 ? 2.0f : 0.0f});
     colour.insert(colour.end(), {static_cast<std::uint8_t>(51 * (i % 6)), 0, 255, 255});
   }
   json primitive = b.document["meshes"][0]["primitives"][0];
   json& attributes = b.document["meshes"][0]["primitives"][0]["attributes"];
   attributes["_LAYER"] = b.add<float>("SCALAR", layer);
+  attributes["_STIFFNESS"] = b.add<float>("SCALAR", stiffness);
   attributes["_FIBER"] = b.add<float>("VEC3", fibre);
   attributes["COLOR_0"] = b.add<std::uint8_t>("VEC4", colour, {{"normalized", true}});
-  attributes["TEXCOORD_0"] = 12345;                            // not needed, so ignored
-  b.document["meshes"][0]["primitives"].push_back(primitive);  // a second one, without paint
+  attributes["TEXCOORD_0"] = 12345;  // not needed, so ignored
+  // Two without paint, one before it and one after it.
+  b.document["meshes"][0]["primitives"].push_back(primitive);
+  b.document["meshes"][0]["primitives"].insert(b.document["meshes"][0]["primitives"].begin(), primitive);
   const Character c = read(b);
-  ASSERT_EQ(c.surface.vertices.size(), 24u);
-  ASSERT_EQ(c.painted.size(), 3u);
+  ASSERT_EQ(c.surface.vertices.size(), 36u);
+  ASSERT_EQ(c.painted.size(), 4u);
   for (const rig::PaintedAttribute& a : c.painted) {
-    ASSERT_EQ(a.values.size(), 24u * a.width) << a.name;
-    for (std::size_t i = 12 * a.width; i < a.values.size(); ++i) EXPECT_EQ(a.values[i], 0.0);
+    ASSERT_EQ(a.values.size(), 36u * a.width) << a.name;
+    for (std::size_t i = 0; i < a.values.size(); ++i) {
+      // Unpainted flesh is as stiff as its layer.
+      if (i / a.width / 12 != 1) {
+        EXPECT_EQ(a.values[i], a.name == "_STIFFNESS" ? 1.0 : 0.0) << a.name;
+      }
+    }
+    const double* painted = a.values.data() + 12 * a.width;
     for (std::size_t i = 0; i < 12; ++i) {
       if (a.name == "_LAYER") {
-        EXPECT_EQ(a.values[i], static_cast<double>(i % 4));
+        EXPECT_EQ(painted[i], static_cast<double>(i % 4));
+      } else if (a.name == "_STIFFNESS") {
+        EXPECT_EQ(painted[i], static_cast<double>(i % 4) / 4.0);
       } else if (a.name == "COLOR_0") {
-        EXPECT_NEAR(a.values[4 * i], 0.2 * static_cast<double>(i % 6), float_rounding);
-        EXPECT_EQ(a.values[4 * i + 2], 1.0);
+        EXPECT_NEAR(painted[4 * i], 0.2 * static_cast<double>(i % 6), float_rounding);
+        EXPECT_EQ(painted[4 * i + 2], 1.0);
       } else {
-        const Vector3d d(a.values[3 * i], a.values[3 * i + 1], a.values[3 * i + 2]);
+        const Vector3d d(painted[3 * i], painted[3 * i + 1], painted[3 * i + 2]);
         EXPECT_LT((d - Vector3d(0, i < 6 ? 2 : 0, 0)).norm(), 2 * float_rounding);
       }
     }

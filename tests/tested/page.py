@@ -12,18 +12,18 @@ SANITIZERS = ("asan", "tsan")
 PAGE = """# What the tests are worth
 
 A passing test says little until one knows what it would have caught. Three commands measure that: whether the suite is
-clean under sanitizers, which lines it runs, and whether it notices planted faults. As in `./do coverage --write`, each
-updates its part of this page.
+clean under sanitizers, which lines it runs, and whether it notices planted faults. With `--write`, each updates its
+part of this page.
 
 ## Sanitizers
 
-`./do sanitize` builds the presets `asan` (addresses, leaks, undefined behaviour) and `tsan` (threads), with all
-assertions and the checks of the standard library, and runs the suite. It leaves out `exactness`, which examines the
-release build, and `reliability`, which preloads a library that would bypass the sanitizers. Reports are counted from
-the sanitizers' own log files, for every process that a test starts, so a test that expects a failure cannot hide one.
-Undefined behaviour ends a process with SIGABRT, which no test expects. First, a planted flaw of each kind must be
-reported, and the programs must have been built with the sanitizer. Suites that a table lacks have not been run under
-that sanitizer yet.
+`./do sanitize` builds the preset `asan` (addresses, leaks, undefined behaviour), and `./do sanitize tsan` the preset
+`tsan` (threads), with all assertions and the checks of the standard library, and runs the suite. It leaves out
+`exactness`, which examines the release build, and `reliability`, which preloads a library that would bypass the
+sanitizers. Reports are counted from the sanitizers' own log files, for every process that a test starts, so a test that
+expects a failure cannot hide one. Undefined behaviour ends a process with SIGABRT, which no test expects. First, a
+planted flaw of each kind must be reported, and the programs must have been built with the sanitizer. Suites that a
+table lacks have not been run under that sanitizer yet.
 
 %(sanitizers)s
 ## Coverage
@@ -76,7 +76,7 @@ def coverage_text(figures):
             for room, lines, run, branches, taken in figures["rooms"]]
     whole = [sum(row[k] for row in figures["rooms"]) for k in range(1, 5)]
     rows.append(("all", whole[0], share(whole[1], whole[0]), share(whole[3], whole[2])))
-    ran = "%(tests)d tests ran, %(skipped)d were skipped and %(failures)d failed (%(which)s)." % figures["ran"]
+    ran = "%(tests)d tests ran, %(skipped)d were skipped and %(failures)d failed; tests chosen: %(which)s." % figures["ran"]
     return table(("room", "lines", "run", "branches taken"), rows) + "\n" + ran + " " + figures["about"]
 
 
