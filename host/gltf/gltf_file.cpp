@@ -8,6 +8,7 @@
 #include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/base/helper_program.h"
+#include "host/base/text.h"
 #include "host/gltf/convert.h"
 #include "host/rig/character.h"
 
@@ -201,7 +202,8 @@ bool is_glb_file(const std::filesystem::path& path) {
 }  // namespace
 
 void gltf_error(const std::filesystem::path& path, const std::string& pointer, const std::string& what) {
-  throw base::SceneError(path.string() + ": " + pointer + ": " + what);
+  // Both may quote the file.
+  throw base::SceneError(path.string() + ": " + base::shown_text(pointer + ": " + what));
 }
 
 GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter) {

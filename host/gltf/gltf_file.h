@@ -22,7 +22,8 @@ struct GltfFile {
   std::vector<std::string> notes;     // what the conversion lost
 };
 
-// Throws SceneError "FILE: POINTER: what"; `pointer` is a JSON pointer, or a byte offset for the container.
+// Throws SceneError "FILE: POINTER: what", one line whatever the file contains; `pointer` is a JSON pointer,
+// or a byte offset for the container.
 [[noreturn]] void gltf_error(const std::filesystem::path& path, const std::string& pointer,
                              const std::string& what);
 

@@ -28,6 +28,7 @@ void expect_refused(const std::filesystem::path& path, const std::string& place)
     EXPECT_EQ(what.rfind(path.string() + ": ", 0), 0u) << what;
     EXPECT_NE(what.find(": " + place + ": "), std::string::npos) << "wanted " << place << ", got " << what;
     EXPECT_LT(what.size(), 700u);
+    EXPECT_EQ(what.find_first_of("\n\r\x1b"), std::string::npos) << what;
   }
 }
 
@@ -243,6 +244,12 @@ const std::vector<Lie>& lies() {
        [](GltfBuilder& b) {
          b.document["nodes"][2]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
        }},
+      {"path_of_two_lines", "/animations/0/channels/0/target/path",
+       [](GltfBuilder& b) {
+         b.document["animations"][0]["channels"][0]["target"]["path"] = "rota\n\x1b[31mtion";
+       }},
+      {"attribute_of_two_lines", "/meshes/0/primitives/0/attributes/_A\\nB",
+       [](GltfBuilder& b) { primitive(b)["attributes"]["_A\nB"] = 999; }},
       {"interpolation_unknown", "/animations/0/samplers/0/interpolation",
        [](GltfBuilder& b) { b.document["animations"][0]["samplers"][0]["interpolation"] = "QUINTIC"; }},
       {"extension_that_is_needed", "/extensionsRequired/0",
