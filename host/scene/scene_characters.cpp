@@ -9,6 +9,7 @@
 #include "host/made/made_character.h"
 #include "host/mesh/mesh_file.h"
 #include "host/rig/join.h"
+#include "host/rig/paint.h"
 #include "host/rig/pose.h"
 #include "host/rig/pose_interpolation.h"
 #include "host/rig/rig_math.h"
@@ -157,7 +158,8 @@ void check_skeleton_names(const toml::table& root, const Scene& scene) {
   }
 }
 
-// Unpainted flesh counts as 0, which is hardly ever intended for a whole character.
+// Unpainted flesh counts as 0, which is hardly ever intended for a whole character, unless it has a value of
+// its own.
 void check_paint(const toml::table& root, const Scene& scene, const std::string& channel, bool of_rigid) {
   if (channel.empty()) return;
   const std::string attribute = channel.substr(0, channel.find('.'));
@@ -168,7 +170,7 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
                                  [&](const rig::PaintedAttribute& a) { return a.name == attribute; });
     (has ? with : without) = &one;
   }
-  if (with == nullptr || without == nullptr) return;
+  if (with == nullptr || without == nullptr || rig::value_elsewhere(attribute) != 0.0) return;
   const std::string& name = without->settings.name;
   fail(root["character"][name].node()->source(), join_path("character", name),
        "has no `" + attribute + "`, which is painted on " + with->settings.name +
