@@ -198,19 +198,19 @@ std::vector<Matrix> global_transforms(const std::vector<Node>& nodes) {
   return result;
 }
 
-Character character_of(const aiScene& scene, bool is_fbx) {
+Character character_of(const aiScene& scene, const Source& source) {
   Character character;
   character.scene = &scene;
-  Walker(scene, is_fbx, character.nodes).run();
-  if (is_fbx) {
+  Walker(scene, source.is_fbx, character.nodes).run();
+  if (source.is_fbx) {
     // The root node is assimp's own, and the file may have a node of the same name. What assimp does with
     // axes and unit depends on its version.
     character.nodes[0].name.clear();
     character.nodes[0].local = world_of(scene, character.notes);
   }
-  if (!is_fbx) mend_blender(scene, character.nodes);
+  if (!source.is_fbx) mend_blender(scene, character.nodes);
   index_names(character);
-  add_clips(character, is_fbx);
+  add_clips(character, source);
   rest_in_bind_pose(character);
   return character;
 }

@@ -15,6 +15,16 @@ namespace fascicle::convert {
 
 using Matrix = Eigen::Matrix4d;
 
+// What a file says and assimp's scene does not.
+struct Source {
+  bool is_fbx = false;     // it has an FBX file's axes, unit and chains
+  bool has_spans = false;  // FBX: a stack states its start or its stop
+  bool has_clips =
+      false;  // Collada: names several clips. Assimp 5.2 does not read which animations they have
+};
+
+Source source_of(const std::string& bytes, bool is_fbx);
+
 struct Parts {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -70,8 +80,7 @@ struct Character {
   std::vector<std::string> notes;  // what was lost in the conversion
 };
 
-// `is_fbx`: the scene has an FBX file's axes, unit and chains.
-Character character_of(const aiScene& scene, bool is_fbx);
+Character character_of(const aiScene& scene, const Source& source);
 
 // Maps the space of the node's meshes to that of a bone, in the bind pose.
 Matrix bind_offset(const Node& node, const aiBone& bone);
@@ -82,7 +91,7 @@ std::size_t find_node(const Character& character, const std::string& name);
 std::vector<Matrix> global_transforms(const std::vector<Node>& nodes);
 
 // The steps of character_of after the nodes are read.
-void add_clips(Character& character, bool is_fbx);
+void add_clips(Character& character, const Source& source);
 // If the nodes are not in the bind pose, moves them there. Clips without a track for a moved node get its
 // original pose as a key.
 void rest_in_bind_pose(Character& character);

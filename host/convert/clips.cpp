@@ -1,6 +1,7 @@
 // Clips: converts the keys of assimp's channels to tracks of whole nodes.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -60,6 +61,24 @@ void add_times(const aiNodeAnim& channel, std::set<double>& times) {
   add(channel.mScalingKeys, channel.mNumScalingKeys);
 }
 
+// What of the file's timeline a clip shows, in ticks.
+struct Span {
+  double first = -std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity();
+};
+
+// Keys outside lead to a value at the border. Assimp passes on some of them: the first key of each curve of a
+// rotation, all keys of blend shapes, and its own keys at time 0 of the file.
+void keep_within(const Span& span, std::set<double>& times) {
+  if (times.empty()) return;
+  const bool begins_before = *times.begin() < span.first;
+  const bool ends_after = *times.rbegin() > span.last;
+  times.erase(times.begin(), times.lower_bound(span.first));
+  times.erase(times.upper_bound(span.last), times.end());
+  if (begins_before) times.insert(span.first);
+  if (ends_after) times.insert(span.last);
+}
+
 constexpr double most_samples = 1e6;
 
 // A chain rotates about pivots, so a node moves on an arc between two keys, and its linear keys must sample
@@ -90,10 +109,11 @@ Eigen::Quaterniond twice_undone(const Node& node) {
   return Eigen::Quaterniond::Identity();
 }
 
-Track whole_track(const Node& node, const aiNodeAnim& channel, double seconds) {
+Track whole_track(const Node& node, const aiNodeAnim& channel, double seconds, const Span& span) {
   Track track;
   std::set<double> times;
   add_times(channel, times);
+  keep_within(span, times);
   const Parts rest = parts_of(node.local);
   const Eigen::Quaterniond undone = twice_undone(node);
   for (const double time : times) {
@@ -120,7 +140,7 @@ Matrix link_at(const Link& link, const aiNodeAnim& channel, double time) {
   return matrix_of(parts);
 }
 
-Track chained_track(const Node& node, const Channels& channels, double seconds) {
+Track chained_track(const Node& node, const Channels& channels, double seconds, const Span& span) {
   Track track;
   std::set<double> times;
   std::vector<const aiNodeAnim*> of_link;
@@ -129,6 +149,7 @@ Track chained_track(const Node& node, const Channels& channels, double seconds) 
     of_link.push_back(found == channels.end() ? nullptr : found->second);
     if (of_link.back() != nullptr) add_times(*of_link.back(), times);
   }
+  keep_within(span, times);
   fill_gaps(times);
   for (const double time : times) {
     Matrix local = Matrix::Identity();
@@ -155,7 +176,7 @@ std::size_t node_of(const Character& character, const aiMeshMorphAnim& channel) 
 }
 
 // A key may list only some shapes; the others are interpolated between their own keys.
-ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, double seconds) {
+ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, double seconds, const Span& span) {
   std::vector<std::map<double, double>> keys(shapes);
   std::set<double> times;
   for (unsigned k = 0; k < channel.mNumKeys; ++k) {
@@ -167,6 +188,7 @@ ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, doubl
         times.insert(key.mTime);
       }
   }
+  keep_within(span, times);
   ShapeTrack track;
   for (const double time : times) {
     track.times.push_back(time * seconds);
@@ -190,8 +212,8 @@ ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, doubl
 }
 
 // `lost`: names of channels that have no mesh.
-void add_shape_tracks(const aiAnimation& animation, double seconds, const Character& character, Clip& clip,
-                      std::set<std::string>& lost) {
+void add_shape_tracks(const aiAnimation& animation, double seconds, const Span& span,
+                      const Character& character, Clip& clip, std::set<std::string>& lost) {
   for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c) {
     const std::size_t node = node_of(character, *animation.mMorphMeshChannels[c]);
     if (node == character.nodes.size()) {
@@ -201,13 +223,13 @@ void add_shape_tracks(const aiAnimation& animation, double seconds, const Charac
     std::size_t shapes = 0;
     for (const aiMesh* mesh : character.nodes[node].meshes)
       shapes = std::max(shapes, std::size_t{mesh->mNumAnimMeshes});
-    ShapeTrack track = shape_track(*animation.mMorphMeshChannels[c], shapes, seconds);
+    ShapeTrack track = shape_track(*animation.mMorphMeshChannels[c], shapes, seconds, span);
     track.node = node;
     if (!track.times.empty()) clip.shapes.push_back(std::move(track));
   }
 }
 
-// Collada has one timeline; makes a clip start at its first key.
+// Makes a clip start at its first key.
 void begin_at_zero(Clip& clip) {
   double first = std::numeric_limits<double>::infinity();
   for (const Track& track : clip.tracks) first = std::min(first, track.times.front());
@@ -218,9 +240,46 @@ void begin_at_zero(Clip& clip) {
     for (double& time : track.times) time -= first;
 }
 
+// Collada has one timeline, and assimp makes each animation on it a clip, which may move a single joint. It
+// joins only animations with one channel each.
+void join_clips(Character& character) {
+  std::vector<Clip> result;
+  std::set<std::size_t> moved, shaped;  // by the first clip
+  const std::size_t none = character.nodes.size();
+  std::size_t moved_again = none;
+  for (Clip& clip : character.clips) {
+    std::size_t again = none;
+    for (const Track& track : clip.tracks)
+      if (moved.count(track.node) > 0) again = track.node;
+    for (const ShapeTrack& track : clip.shapes)
+      if (shaped.count(track.node) > 0) again = track.node;
+    if (again != none) {
+      moved_again = std::min(moved_again, again);
+      result.push_back(std::move(clip));
+      continue;
+    }
+    for (const Track& track : clip.tracks) moved.insert(track.node);
+    for (const ShapeTrack& track : clip.shapes) shaped.insert(track.node);
+    if (result.empty()) {
+      result.push_back(std::move(clip));
+      continue;
+    }
+    Clip& first = result.front();
+    first.tracks.insert(first.tracks.end(), std::make_move_iterator(clip.tracks.begin()),
+                        std::make_move_iterator(clip.tracks.end()));
+    first.shapes.insert(first.shapes.end(), std::make_move_iterator(clip.shapes.begin()),
+                        std::make_move_iterator(clip.shapes.end()));
+  }
+  character.clips = std::move(result);
+  if (moved_again != none)
+    character.notes.push_back("several animations move `" + character.nodes[moved_again].name +
+                              "`; the first clip has only the first of them, and the others are clips of "
+                              "their own");
+}
+
 }  // namespace
 
-void add_clips(Character& character, bool is_fbx) {
+void add_clips(Character& character, const Source& source) {
   std::set<std::string> lost_shapes;
   for (unsigned a = 0; a < character.scene->mNumAnimations; ++a) {
     const aiAnimation& animation = *character.scene->mAnimations[a];
@@ -229,20 +288,31 @@ void add_clips(Character& character, bool is_fbx) {
     Channels channels;
     for (unsigned c = 0; c < animation.mNumChannels; ++c)
       channels.emplace(animation.mChannels[c]->mNodeName.C_Str(), animation.mChannels[c]);
+    // Assimp takes an FBX clip's start and end from its stack or from the keys of its nodes. If these have no
+    // keys either, its duration is negative and its times mean nothing.
+    const bool begins_at_key = !source.is_fbx || animation.mDuration < 0.0;
+    Span of_nodes;
+    if (!begins_at_key) of_nodes = {0.0, animation.mDuration};
+    Span of_shapes = of_nodes;
+    if (!source.has_spans || animation.mDuration == 0.0) of_shapes.last = Span().last;
     Clip clip;
     clip.name = animation.mName.C_Str();
     for (std::size_t n = 0; n < character.nodes.size(); ++n) {
       const Node& node = character.nodes[n];
       if (find_node(character, node.name) != n) continue;
       const auto whole = channels.find(node.name);
-      Track track = whole != channels.end() ? whole_track(node, *whole->second, seconds)
-                                            : chained_track(node, channels, seconds);
+      Track track = whole != channels.end() ? whole_track(node, *whole->second, seconds, of_nodes)
+                                            : chained_track(node, channels, seconds, of_nodes);
       track.node = n;
       if (!track.times.empty()) clip.tracks.push_back(std::move(track));
     }
-    add_shape_tracks(animation, seconds, character, clip, lost_shapes);
-    if (!is_fbx) begin_at_zero(clip);
+    add_shape_tracks(animation, seconds, of_shapes, character, clip, lost_shapes);
+    if (source.is_fbx && begins_at_key) begin_at_zero(clip);
     character.clips.push_back(std::move(clip));
+  }
+  if (!source.is_fbx) {
+    if (!source.has_clips) join_clips(character);
+    for (Clip& clip : character.clips) begin_at_zero(clip);
   }
   if (lost_shapes.empty()) return;
   const std::string others =

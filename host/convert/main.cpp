@@ -94,7 +94,7 @@ std::string glb_from(const fs::path& input) {
     if (const std::exception_ptr& thrown = importer.GetException()) std::rethrow_exception(thrown);
     throw Failure(unreadable, importer.GetErrorString());
   }
-  Character character = character_of(*scene, extension == "fbx");
+  Character character = character_of(*scene, source_of(bytes, extension == "fbx"));
   const std::string glb = glb_of(character, input);
   if (glb.size() > largest_file)
     throw Failure(unreadable, "would be larger than the largest glTF that is read");

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -14,6 +15,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -151,6 +153,27 @@ TEST_F(FromBlender, blend_shapes_come_with_their_clips) {
   }
 }
 
+// As above, with a binary file: assimp passes on the keys of shapes after the stop.
+TEST_F(FromBlender, blend_shapes_end_where_their_stack_does) {
+  std::string text = text_of(folder_.path() / "post.fbx");
+  const auto bytes_of = [](std::int64_t ticks) {
+    std::string bytes(sizeof ticks, '\0');
+    std::memcpy(bytes.data(), &ticks, sizeof ticks);
+    return "L" + bytes;
+  };
+  constexpr std::int64_t second = 46186158000;
+  std::size_t halved = 0;
+  for (std::size_t at = text.find("LocalStop"); at != std::string::npos; at = text.find("LocalStop", at + 1))
+    if (const std::size_t number = text.find(bytes_of(second), at); number < at + 40) {
+      text.replace(number, 9, bytes_of(second / 2));
+      ++halved;
+    }
+  ASSERT_GT(halved, 0u);
+  const gltf::Rig rig = gltf::read_rig(folder_.write("half.fbx", text));
+  EXPECT_NEAR(rig::find_clip(rig.character, "Rig|bend")->duration, 0.5, file_rounding);
+  EXPECT_NEAR(most_shaped(rig, "Rig|bend", 0.5), 0.0375, file_rounding);
+}
+
 TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
   std::mt19937_64 random(seed_of_run(7));
   for (const std::string name : {"post.fbx", "post.dae"}) {
@@ -179,12 +202,17 @@ TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
   }
 }
 
+using Keys = std::vector<std::pair<double, double>>;  // s, value
+
 // A plate on a rotating node, as text: 40 lines make an FBX file.
 struct Post {
   std::string properties = {};
   int up = 1, up_sign = 1, right = 0, right_sign = 1;
   double unit = 1.0;       // cm
   bool has_still = false;  // constant translation keys of the plate at 0 and 2 s
+  std::string stack = {};  // properties of the clip
+  Keys turns = {};         // degrees about Z, instead of 0 to 90 in a second with 30 frames
+  Keys shapes = {};        // per cent of a blend shape that moves the plate's last vertex by 10 cm
 };
 
 std::string property(const std::string& name, double x, double y, double z) {
@@ -195,8 +223,31 @@ std::string property(const std::string& name, double x, double y, double z) {
 
 constexpr double ticks_a_second = 46186158000.0, degree = 3.14159265358979323846 / 180.0;
 
-// Rotates by 0 to 90 degrees about Z in a second, 30 frames.
+long long ticks_of(double seconds) {
+  return std::llround(ticks_a_second * seconds);
+}
+
+std::string span(double start, double stop) {
+  return "Properties70: {\nP: \"LocalStart\", \"KTime\", \"Time\", \"\"," + std::to_string(ticks_of(start)) +
+         "\nP: \"LocalStop\", \"KTime\", \"Time\", \"\"," + std::to_string(ticks_of(stop)) + "\n}\n";
+}
+
+std::string curve(int id, const Keys& keys) {
+  std::ostringstream out;
+  out << "AnimationCurve: " << id << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+      << "KeyTime: *" << keys.size() << " {\na: ";
+  for (std::size_t k = 0; k < keys.size(); ++k) out << (k ? "," : "") << ticks_of(keys[k].first);
+  out << "\n}\nKeyValueFloat: *" << keys.size() << " {\na: ";
+  for (std::size_t k = 0; k < keys.size(); ++k) out << (k ? "," : "") << keys[k].second;
+  out << "\n}\n}\n";
+  return out.str();
+}
+
 std::string fbx_of(const Post& post) {
+  Keys turns = post.turns;
+  for (int k = 0; post.turns.empty() && k <= 30; ++k) turns.emplace_back(k / 30.0, 3.0 * k);
+  Keys none = turns;
+  for (auto& key : none) key.second = 0.0;
   std::ostringstream out;
   out << "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
          "GlobalSettings: {\nVersion: 1000\nProperties70: {\n"
@@ -212,29 +263,30 @@ std::string fbx_of(const Post& post) {
       << "}\n}\nModel: 11, \"Model::Plate\", \"Mesh\" {\nVersion: 232\nProperties70: {\n}\n}\n"
          "Geometry: 12, \"Geometry::Plate\", \"Mesh\" {\nVertices: *12 {\na: 0,0,0,10,0,0,0,20,0,0,0,30\n}\n"
          "PolygonVertexIndex: *12 {\na: 0,2,-2,0,1,-4,1,2,-4,2,0,-4\n}\nGeometryVersion: 124\n}\n"
-         "AnimationStack: 20, \"AnimStack::turn\", \"\" {\n}\nAnimationLayer: 21, \"AnimLayer::base\", \"\" "
-         "{\n}\n"
+         "AnimationStack: 20, \"AnimStack::turn\", \"\" {\n"
+      << post.stack
+      << "}\nAnimationLayer: 21, \"AnimLayer::base\", \"\" {\n}\n"
          "AnimationCurveNode: 22, \"AnimCurveNode::R\", \"\" {\n}\n";
-  for (int axis = 0; axis < 3; ++axis) {
-    out << "AnimationCurve: " << 23 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
-        << "KeyTime: *31 {\na: ";
-    for (int k = 0; k <= 30; ++k)
-      out << (k ? "," : "") << static_cast<long long>(std::llround(ticks_a_second * k / 30.0));
-    out << "\n}\nKeyValueFloat: *31 {\na: ";
-    for (int k = 0; k <= 30; ++k) out << (k ? "," : "") << (axis == 2 ? 3.0 * k : 0.0);
-    out << "\n}\n}\n";
-  }
-  for (int axis = 0; post.has_still && axis < 3; ++axis)
-    out << "AnimationCurve: " << 33 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
-        << "KeyTime: *2 {\na: 0," << static_cast<long long>(2 * ticks_a_second)
-        << "\n}\nKeyValueFloat: *2 {\na: 0,0\n}\n}\n";
+  for (int axis = 0; axis < 3; ++axis) out << curve(23 + axis, axis == 2 ? turns : none);
+  for (int axis = 0; post.has_still && axis < 3; ++axis) out << curve(33 + axis, {{0.0, 0.0}, {2.0, 0.0}});
   if (post.has_still) out << "AnimationCurveNode: 32, \"AnimCurveNode::T\", \"\" {\n}\n";
+  if (!post.shapes.empty())
+    out << "Geometry: 40, \"Geometry::Swell\", \"Shape\" {\nVersion: 100\nIndexes: *1 {\na: 3\n}\n"
+           "Vertices: *3 {\na: 0,0,10\n}\nNormals: *3 {\na: 0,0,0\n}\n}\n"
+           "Deformer: 41, \"Deformer::Swell\", \"BlendShape\" {\nVersion: 100\n}\n"
+           "Deformer: 42, \"SubDeformer::Swell\", \"BlendShapeChannel\" {\nVersion: 100\nDeformPercent: 0\n"
+           "FullWeights: *1 {\na: 100\n}\n}\nAnimationCurveNode: 43, \"AnimCurveNode::DeformPercent\", \"\" "
+           "{\n}\n"
+        << curve(44, post.shapes);
   out << "}\nConnections: {\nC: \"OO\",10,0\nC: \"OO\",11,10\nC: \"OO\",12,11\nC: \"OO\",21,20\n"
          "C: \"OO\",22,21\nC: \"OP\",22,10, \"Lcl Rotation\"\nC: \"OP\",23,22, \"d|X\"\n"
          "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n";
   if (post.has_still)
     out << "C: \"OO\",32,21\nC: \"OP\",32,11, \"Lcl Translation\"\nC: \"OP\",33,32, \"d|X\"\n"
            "C: \"OP\",34,32, \"d|Y\"\nC: \"OP\",35,32, \"d|Z\"\n";
+  if (!post.shapes.empty())
+    out << "C: \"OO\",40,42\nC: \"OO\",42,41\nC: \"OO\",41,12\nC: \"OO\",43,21\n"
+           "C: \"OP\",43,42, \"DeformPercent\"\nC: \"OP\",44,43, \"d|DeformPercent\"\n";
   out << "}\n";
   return out.str();
 }
@@ -372,6 +424,171 @@ TEST(Converter, clips_last_to_their_last_key) {
   ASSERT_EQ(still.clips.size(), 1u);
   EXPECT_NEAR(still.clips[0].duration, 2.0, 1e-6);
   EXPECT_LT(both_ways(skinned(still, &still.clips[0], 1.0), skinned(still, nullptr, 0.0)), file_rounding);
+}
+
+// The angle by which the plate is turned about Z, in degrees.
+double angle_at(const Character& character, double time) {
+  const std::vector<Vector3d> still = skinned(character, nullptr, 0.0),
+                              now = skinned(character, &character.clips.at(0), time);
+  std::size_t far = 0;
+  for (std::size_t v = 0; v < still.size(); ++v)
+    if (still[v].x() > still[far].x()) far = v;
+  return std::atan2(now[far].y(), now[far].x()) / degree;
+}
+
+// Single precision through quaternions, degrees.
+constexpr double angle_rounding = 1e-3;
+
+// Assimp passes on the first key of a rotation even if it is outside.
+TEST(Fbx, a_rotations_first_key_outside_its_stack_counts_up_to_the_border) {
+  const TemporaryFolder folder;
+  const auto read = [&](const Keys& turns) {
+    return gltf::read_gltf(folder.write("plate.fbx", fbx_of({.stack = span(1.0, 2.0), .turns = turns})));
+  };
+  const Character held = read({{0.0, 45.0}});
+  ASSERT_EQ(held.clips.size(), 1u);
+  EXPECT_NEAR(angle_at(held, 0.0), 45.0, angle_rounding);
+  const Character cut = read({{0.0, 0.0}, {1.5, 90.0}});
+  ASSERT_EQ(cut.clips.size(), 1u);
+  EXPECT_NEAR(cut.clips[0].duration, 0.5, 1e-6);
+  EXPECT_NEAR(angle_at(cut, 0.0), 60.0, angle_rounding);
+  EXPECT_NEAR(angle_at(cut, 0.25), 75.0, angle_rounding);
+  EXPECT_NEAR(angle_at(cut, 0.5), 90.0, angle_rounding);
+  const Character late = read({{3.0, 45.0}});
+  ASSERT_EQ(late.clips.size(), 1u);
+  EXPECT_LE(late.clips[0].duration, 1.0 + 1e-6);
+  EXPECT_NEAR(angle_at(late, 1.0), 45.0, angle_rounding);
+  // Control: keys at the borders are taken as they are.
+  const Character whole = read({{1.0, 10.0}, {2.0, 20.0}});
+  EXPECT_NEAR(angle_at(whole, 0.0), 10.0, angle_rounding);
+  EXPECT_NEAR(whole.clips.at(0).duration, 1.0, 1e-6);
+}
+
+void replace(std::string& text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  ASSERT_NE(at, std::string::npos) << part;
+  text.replace(at, part.size(), by);
+}
+
+// Shapes are in the file's unit, cm.
+constexpr double shape_rounding = 100.0 * file_rounding;
+
+TEST(Fbx, blend_shapes_last_as_long_as_their_stack) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) { return gltf::read_rig(folder.write("plate.fbx", text)); };
+  const Keys turns{{1.0, 0.0}, {2.0, 90.0}}, shapes{{0.0, 0.0}, {4.0, 100.0}};
+  const gltf::Rig cut = read(fbx_of({.stack = span(1.0, 2.0), .turns = turns, .shapes = shapes}));
+  ASSERT_EQ(cut.character.clips.size(), 1u);
+  EXPECT_NEAR(cut.character.clips[0].duration, 1.0, 1e-6);
+  EXPECT_NEAR(most_shaped(cut, "turn", 0.0), 2.5, shape_rounding);
+  EXPECT_NEAR(most_shaped(cut, "turn", 1.0), 5.0, shape_rounding);
+
+  // A stack without start and stop lasts to the last key of nodes or shapes, also if it says so with zeros.
+  for (const std::string& none : {std::string(), span(0.0, 0.0)}) {
+    const gltf::Rig all = read(fbx_of({.stack = none, .turns = turns, .shapes = {{1.0, 0.0}, {4.0, 100.0}}}));
+    EXPECT_NEAR(all.character.clips.at(0).duration, 3.0, 1e-6);
+    EXPECT_NEAR(most_shaped(all, "turn", 3.0), 10.0, shape_rounding);
+  }
+}
+
+TEST(Fbx, a_clip_of_blend_shapes_alone_begins_at_its_first_key) {
+  const TemporaryFolder folder;
+  std::string text = fbx_of({.shapes = {{1.0, 0.0}, {3.0, 100.0}}});
+  replace(
+      text, "AnimationCurveNode: 43",
+      "AnimationStack: 50, \"AnimStack::swell\", \"\" {\n}\nAnimationLayer: 51, \"AnimLayer::base\", \"\" "
+      "{\n}\nAnimationCurveNode: 43");
+  replace(text, "C: \"OO\",43,21", "C: \"OO\",43,51\nC: \"OO\",51,50");
+  const gltf::Rig rig = gltf::read_rig(folder.write("plate.fbx", text));
+  ASSERT_EQ(rig.character.clips.size(), 2u);
+  // Assimp shifts its times by 10^10 frames, which leaves 2e-6 of a frame.
+  EXPECT_NEAR(rig::find_clip(rig.character, "swell")->duration, 2.0, 1e-6);
+  EXPECT_NEAR(most_shaped(rig, "swell", 0.0), 0.0, shape_rounding);
+  EXPECT_NEAR(most_shaped(rig, "swell", 1.0), 5.0, shape_rounding);
+}
+
+const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", raised = "1 0 0 0 0 1 0 1 0 0 1 0 0 0 0 1";
+
+// An animation that raises a node by a metre between two times, and an empty node of the animation's name:
+// assimp itself joins animations that have one channel each.
+std::string animation(const std::string& id, const std::string& node, const std::string& times) {
+  const auto source = [&](const std::string& what, const std::string& array, const std::string& numbers,
+                          const std::string& stride, const std::string& type) {
+    const std::string name = id + "-" + what;
+    return "<source id=\"" + name + "\"><" + array + " id=\"" + name + "-array\" count=\"" +
+           (stride == "16" ? "32" : "2") + "\">" + numbers + "</" + array +
+           "><technique_common><accessor source=\"#" + name + "-array\" count=\"2\" stride=\"" + stride +
+           "\"><param name=\"P\" type=\"" + type + "\"/></accessor></technique_common></source>";
+  };
+  const auto channel = [&](const std::string& target) {
+    const std::string sampler = id + "-" + target;
+    return "<sampler id=\"" + sampler + "\"><input semantic=\"INPUT\" source=\"#" + id +
+           "-times\"/><input semantic=\"OUTPUT\" source=\"#" + id +
+           "-places\"/><input semantic=\"INTERPOLATION\" source=\"#" + id +
+           "-ways\"/></sampler><channel source=\"#" + sampler + "\" target=\"" + target + "/transform\"/>";
+  };
+  return "<animation id=\"" + id + "\">" + source("times", "float_array", times, "1", "float") +
+         source("places", "float_array", unit + " " + raised, "16", "float4x4") +
+         source("ways", "Name_array", "LINEAR LINEAR", "1", "name") + channel(node) + channel(id) +
+         "</animation>";
+}
+
+// The character of dae_of, whose joint and the node above it are raised one after the other.
+std::string dae_raised(const std::string& second_node, const std::string& clips) {
+  std::string text = dae_of("top", "bone");
+  const std::size_t first = text.find("<animation id=\"still\">"), end = text.find("</library_animations>");
+  text.replace(first, end - first,
+               animation("one", "bone", "0.5 1.5") + animation("two", second_node, "2.5 3.5"));
+  replace(text, "</library_animations>", "</library_animations>" + clips);
+  replace(text, "<node id=\"top\" name=\"top\">",
+          "<node id=\"top\" name=\"top\"><matrix sid=\"transform\">" + unit + "</matrix>");
+  for (const char* name : {"one", "two"})
+    replace(text, "</node>\n</visual_scene>",
+            std::string("<node id=\"") + name + "\" name=\"" + name + "\"><matrix sid=\"transform\">" + unit +
+                "</matrix></node></node>\n</visual_scene>");
+  return text;
+}
+
+double raised_by(const Character& character, std::size_t clip, double time) {
+  return skinned(character, &character.clips.at(clip), time).at(0).y() -
+         skinned(character, nullptr, 0.0).at(0).y();
+}
+
+TEST(Collada, animations_of_different_nodes_are_one_clip) {
+  const TemporaryFolder folder;
+  const Character joined = gltf::read_gltf(folder.write("joined.dae", dae_raised("top", "")));
+  ASSERT_EQ(joined.clips.size(), 1u);
+  EXPECT_TRUE(joined.notes.empty()) << joined.notes.front();
+  EXPECT_NEAR(joined.clips[0].duration, 3.0, 1e-6);
+  for (const auto& [time, height_there] :
+       Keys{{0.0, 0.0}, {0.5, 0.5}, {1.0, 1.0}, {2.0, 1.0}, {2.5, 1.5}, {3.0, 2.0}})
+    EXPECT_NEAR(raised_by(joined, 0, time), height_there, file_rounding) << time;
+}
+
+TEST(Collada, animations_that_belong_apart_stay_clips_of_their_own) {
+  const TemporaryFolder folder;
+  const Character twice = gltf::read_gltf(folder.write("twice.dae", dae_raised("bone", "")));
+  ASSERT_EQ(twice.clips.size(), 2u);
+  ASSERT_EQ(twice.notes.size(), 1u);
+  EXPECT_NE(twice.notes[0].find("several animations move `bone`"), std::string::npos) << twice.notes[0];
+  // Files that name several clips are not joined, those with one clip of everything are.
+  const auto clip = [](const std::string& name, const std::string& of) {
+    return "<animation_clip id=\"" + name + "\" start=\"0\" end=\"4\">" + of + "</animation_clip>";
+  };
+  const std::string one = "<instance_animation url=\"#one\"/>", two = "<instance_animation url=\"#two\"/>",
+                    library = "<library_animation_clips>", end = "</library_animation_clips>";
+  const Character whole =
+      gltf::read_gltf(folder.write("whole.dae", dae_raised("top", library + clip("all", one + two) + end)));
+  EXPECT_EQ(whole.clips.size(), 1u);
+  const Character named = gltf::read_gltf(
+      folder.write("named.dae", dae_raised("top", library + clip("nod", one) + clip("wave", two) + end)));
+  EXPECT_TRUE(named.notes.empty()) << named.notes.front();
+  ASSERT_EQ(named.clips.size(), 2u);
+  for (const Character* character : {&twice, &named})
+    for (const std::size_t c : {0u, 1u}) {
+      EXPECT_NEAR(character->clips[c].duration, 1.0, 1e-6);
+      EXPECT_NEAR(raised_by(*character, c, 1.0), 1.0, file_rounding);
+    }
 }
 
 TEST(Fbx, files_that_mean_no_good_get_one_message) {
