@@ -88,9 +88,11 @@ std::vector<bool> skeleton_of(const Character& character, const json& document) 
   const json skins = document.value("skins", json::array());
   std::vector<bool> result(character.nodes.size(), skins.empty());
   for (const json& skin : skins)
-    for (const std::size_t joint : skin["joints"])
+    for (const std::size_t joint : skin["joints"]) {
+      if (joint >= result.size()) continue;  // stands in for another joint of the skin
       for (int n = static_cast<int>(joint); n >= 0; n = character.nodes[static_cast<std::size_t>(n)].parent)
         result[static_cast<std::size_t>(n)] = true;
+    }
   return result;
 }
 

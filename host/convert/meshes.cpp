@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <unordered_map>
 
 namespace fascicle::convert {
@@ -18,26 +19,51 @@ struct Influence {
   float weight;
 };
 
+// A skin of glTF names a node once. For further bind matrices of a joint, a child of it that stays where it
+// is. Skins share them.
+std::size_t stand_in(const Character& character, std::size_t joint, std::size_t number, Document& document) {
+  json& nodes = document.json["nodes"];
+  const std::string name = character.nodes[joint].name + " bind " + std::to_string(number);
+  for (const std::size_t child : nodes[joint].value("children", json::array()))
+    if (child >= character.nodes.size() && nodes[child]["name"] == name) return child;
+  nodes.push_back({{"name", name}});
+  nodes[joint]["children"].push_back(nodes.size() - 1);
+  return nodes.size() - 1;
+}
+
 // The joints of one node's skin, and their inverse bind matrices.
 class Skin {
  public:
   Skin(const Character& character, std::size_t node) : character_(character), node_(node) {}
 
-  // A slot per bone and bind matrix: a bone with different offsets in two meshes gets two slots.
+  // A slot per bone and bind matrix: a bone with different offsets in two meshes gets two slots. Joints of
+  // one name are one, with the bind matrix of the first bone: the other's would move its skin to the first.
   std::optional<std::uint16_t> slot_of(const aiBone& bone) {
     const std::size_t joint = find_node(character_, bone.mName.C_Str());
     if (joint == character_.nodes.size()) return std::nullopt;
+    const std::vector<std::size_t>& named = character_.by_name.at(bone.mName.C_Str());
+    if (std::count_if(named.begin(), named.end(),
+                      [&](std::size_t n) { return character_.nodes[n].meshes.empty(); }) > 1) {
+      const auto same = std::find(joints_.begin(), joints_.end(), joint);
+      if (same != joints_.end()) return static_cast<std::uint16_t>(same - joints_.begin());
+    }
     return slot(joint, bind_offset(character_.nodes[node_], bone) * character_.nodes[node_].geometry);
   }
   std::optional<std::uint16_t> own_slot() { return slot(node_, character_.nodes[node_].geometry); }
 
   std::size_t add_to(Document& document) const {
+    std::vector<std::size_t> joints;
+    std::map<std::size_t, std::size_t> count;
+    for (const std::size_t joint : joints_) {
+      const std::size_t number = ++count[joint];
+      joints.push_back(number == 1 ? joint : stand_in(character_, joint, number, document));
+    }
     std::vector<float> matrices;
     for (const Matrix& matrix : inverse_bind_)
       for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) matrices.push_back(static_cast<float>(matrix(r, c)));
     document.json["skins"].push_back(
-        {{"joints", joints_},
+        {{"joints", joints},
          {"inverseBindMatrices", add_accessor(document, std::span<const float>(matrices), 16)}});
     return document.json["skins"].size() - 1;
   }
@@ -59,6 +85,16 @@ class Skin {
   std::vector<Matrix> inverse_bind_;
 };
 
+// glTF wants each joint of a vertex once.
+void add_influence(const Influence& added, std::vector<Influence>& of_vertex) {
+  for (Influence& influence : of_vertex)
+    if (influence.slot == added.slot) {
+      influence.weight += added.weight;
+      return;
+    }
+  of_vertex.push_back(added);
+}
+
 std::vector<std::vector<Influence>> influences_of(const aiMesh& mesh, Skin& skin, std::string& lost) {
   std::vector<std::vector<Influence>> result(mesh.mNumVertices);
   for (unsigned b = 0; b < mesh.mNumBones; ++b) {
@@ -67,7 +103,7 @@ std::vector<std::vector<Influence>> influences_of(const aiMesh& mesh, Skin& skin
     if (!slot) lost = bone.mName.C_Str();
     for (unsigned w = 0; slot && w < bone.mNumWeights; ++w)
       if (bone.mWeights[w].mVertexId < mesh.mNumVertices && bone.mWeights[w].mWeight > 0.0f)
-        result[bone.mWeights[w].mVertexId].push_back({*slot, bone.mWeights[w].mWeight});
+        add_influence({*slot, bone.mWeights[w].mWeight}, result[bone.mWeights[w].mVertexId]);
   }
   for (std::vector<Influence>& of_vertex : result) {
     std::stable_sort(of_vertex.begin(), of_vertex.end(),

@@ -507,7 +507,9 @@ TEST(Fbx, a_clip_of_blend_shapes_alone_begins_at_its_first_key) {
   EXPECT_NEAR(most_shaped(rig, "swell", 1.0), 5.0, shape_rounding);
 }
 
-const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", raised = "1 0 0 0 0 1 0 1 0 0 1 0 0 0 0 1";
+const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", raised = "1 0 0 0 0 1 0 1 0 0 1 0 0 0 0 1",
+                  aside = "1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 1",
+                  aside_undone = "1 0 0 -5 0 1 0 0 0 0 1 0 0 0 0 1";
 
 // An animation that raises a node by a metre between two times, and an empty node of the animation's name:
 // assimp itself joins animations that have one channel each.
@@ -589,6 +591,58 @@ TEST(Collada, animations_that_belong_apart_stay_clips_of_their_own) {
       EXPECT_NEAR(character->clips[c].duration, 1.0, 1e-6);
       EXPECT_NEAR(raised_by(*character, c, 1.0), 1.0, file_rounding);
     }
+}
+
+const std::vector<Vector3d> dae_plate{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+
+std::vector<Vector3d> shifted(const std::vector<Vector3d>& points, const Vector3d& by) {
+  std::vector<Vector3d> result;
+  for (const Vector3d& p : points) result.push_back(p + by);
+  return result;
+}
+
+TEST(Collada, joints_of_one_name_are_one_joint) {
+  const TemporaryFolder folder;
+  std::string text = dae_raised("top", "");
+  replace(text, "name=\"bone\" type=\"JOINT\"", "name=\"hand\" type=\"JOINT\"");
+  replace(text, "count=\"1\">bone</Name_array>", "count=\"2\">bone other</Name_array>");
+  replace(text, "joints-array\" count=\"1\"", "joints-array\" count=\"2\"");
+  replace(text, "id=\"binds-array\" count=\"16\">" + unit,
+          "id=\"binds-array\" count=\"32\">" + unit + " " + aside_undone);
+  replace(text, "binds-array\" count=\"1\"", "binds-array\" count=\"2\"");
+  // The last two vertices follow the other joint, the second one both.
+  replace(text, "<vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 0 0</v>",
+          "<vcount>1 2 1 1</vcount><v>0 0 0 0 1 0 1 0 1 0</v>");
+  replace(text, "<node id=\"body\"",
+          "<node id=\"other\" sid=\"other\" name=\"hand\" type=\"JOINT\"><matrix sid=\"transform\">" + aside +
+              "</matrix></node>\n<node id=\"body\"");
+  const Character hands = gltf::read_gltf(folder.write("hands.dae", text));
+  ASSERT_EQ(hands.notes.size(), 1u);
+  EXPECT_NE(hands.notes[0].find("several nodes are named `hand`"), std::string::npos) << hands.notes[0];
+  EXPECT_LT(both_ways(skinned(hands, nullptr, 0.0), dae_plate), file_rounding);
+  EXPECT_LT(both_ways(skinned(hands, &hands.clips.at(0), 1.0), shifted(dae_plate, {0, 1, 0})), file_rounding);
+}
+
+TEST(Collada, a_joint_may_be_bound_twice) {
+  const TemporaryFolder folder;
+  std::string text = dae_raised("top", "");
+  // The same skin with another place of the mesh, on the same node.
+  const std::size_t from = text.find("<controller id=\"skin\">"), to = text.find("</library_controllers>");
+  std::string second = text.substr(from, to - from);
+  replace(second, "id=\"skin\"", "id=\"skin-2\"");
+  replace(second, "<bind_shape_matrix>" + unit, "<bind_shape_matrix>" + aside);
+  const std::size_t sources = second.find("<source "), joints = second.find("<joints>");
+  second.erase(sources, joints - sources);  // those of the first are used
+  text.insert(to, second);
+  replace(text, "</instance_controller></node>",
+          "</instance_controller><instance_controller url=\"#skin-2\"><skeleton>#bone</skeleton>"
+          "</instance_controller></node>");
+  const Character both = gltf::read_gltf(folder.write("both.dae", text));
+  std::vector<Vector3d> wanted = shifted(dae_plate, {5, 0, 0});
+  wanted.insert(wanted.end(), dae_plate.begin(), dae_plate.end());
+  EXPECT_LT(both_ways(skinned(both, nullptr, 0.0), wanted), file_rounding);
+  EXPECT_LT(both_ways(skinned(both, &both.clips.at(0), 1.0), shifted(wanted, {0, 1, 0})), file_rounding);
+  EXPECT_LT(both_ways(skinned(both, &both.clips.at(0), 3.0), shifted(wanted, {0, 2, 0})), file_rounding);
 }
 
 TEST(Fbx, files_that_mean_no_good_get_one_message) {
