@@ -2,8 +2,8 @@
 // stepped by programs and devices that differ, and each frame's hashes of positions, velocities and surface
 // are compared with those of the release build's scalar stages on one thread.
 //
-// The cost is the lavapipe runs (8 times a CPU run each) and the code at -O0. To stay within three minutes on
-// two cores, bars run 40 frames, the largest of them 15, and characters 8; only the solver is compiled at
+// The cost is the lavapipe runs (8 times a CPU run each) and the code at -O0. To stay within two minutes on
+// two cores, bars run 20 frames, the largest of them 10, and characters 6; only the solver is compiled at
 // -O0 and only small bodies run on it, and scenes that only add contact between bears are skipped. `do soak`
 // builds the bodies at -O0 too, and runs everything for a minute of scene time.
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int characters_frames = 8;
+constexpr int characters_frames = 6;
 
 // FASCICLE_EXACTNESS_FRAMES sets the number of frames of all runs.
 bool soaks() {
@@ -163,7 +163,7 @@ class Exactness : public testing::TestWithParam<std::string> {};
 
 TEST_P(Exactness, NothingThatMustNotMatterDoes) {
   const bool large = GetParam().rfind("bar-layers", 0) == 0, bar = GetParam().rfind("bar-", 0) == 0;
-  const int frames = large ? 15 : bar ? 40 : characters_frames;
+  const int frames = large ? 10 : bar ? 20 : characters_frames;
   const Runs runs(GetParam(), frames_or(frames));
   runs.all_cpu();
   FASCICLE_NEEDS_VULKAN();
