@@ -11,15 +11,21 @@ from . import character, point_cache
 from .character import FLESH
 from .problem import Problem
 
-# Custom properties by which what was made here is found again: of a collection the names of its armature and its bake;
-# of a mesh how it was hidden before.
+# Custom properties by which what was made here is found again: of a collection its armature and its bake's name; of a
+# mesh how it was hidden before.
 ARMATURE, BAKE = "fascicle_armature", "fascicle_bake"
 HIDDEN = "fascicle_hidden"
 
 
+def object_at(owner, key):
+    """The object that a custom property points to, or names, as it did in files of earlier add-ons; None."""
+    found = owner.get(key)
+    return bpy.data.objects.get(found) if isinstance(found, str) else found
+
+
 def collections_of(armature):
     """The collections of an armature's bakes, by name."""
-    return [found for found in bpy.data.collections if found.get(ARMATURE) == armature.name]
+    return [found for found in bpy.data.collections if object_at(found, ARMATURE) == armature]
 
 
 def _unlink_from_all(obj):
@@ -34,7 +40,7 @@ def _flesh_object(mesh, armature, metres, shares_mesh):
         flesh.data = mesh.data.copy()
         flesh.shape_key_clear()
     flesh.name = mesh.name + " flesh"
-    flesh[FLESH] = mesh.name
+    flesh[FLESH] = mesh
     flesh.animation_data_clear()
     flesh.constraints.clear()
     flesh.parent = None
@@ -111,7 +117,7 @@ def attach(context, armature, meshes, name, folder, first, kind):
                           % (mesh.name, len(mesh.data.vertices), found))
     earlier = [old for old in collections_of(armature) if old.get(BAKE) == name]
     collection = bpy.data.collections.new("Flesh " + name)
-    collection[ARMATURE], collection[BAKE] = armature.name, name
+    collection[ARMATURE], collection[BAKE] = armature, name
     context.scene.collection.children.link(collection)
     metres = character.metres_per_unit(context.scene)
     try:
@@ -135,7 +141,7 @@ def show(armature, name):
     for collection in collections_of(armature):
         collection.hide_viewport = collection.hide_render = collection[BAKE] != name
         for flesh in collection.objects:
-            mesh = bpy.data.objects.get(flesh.get(FLESH, ""))
+            mesh = object_at(flesh, FLESH)
             if mesh:
                 _hide(mesh, name is not None)
 

@@ -16,7 +16,7 @@ from .problem import Problem
 TURN = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
 # A matrix is a place, a turn and a scale within this share of its largest entry, or it shears.
 SHEAR = 1e-4
-# A custom property of an object that shows a bake: the name of the mesh it stands for.
+# A custom property of an object that shows a bake: the mesh it stands for.
 FLESH = "fascicle_mesh"
 LAYER_NUMBERS = {"bone": 1, "muscle": 2, "fat": 3}
 

@@ -30,7 +30,7 @@ def armature_of(context):
     if found.type != "MESH":
         return None
     if character.FLESH in found.keys():
-        found = bpy.data.objects.get(found[character.FLESH])
+        found = attach.object_at(found, character.FLESH)
         if found is None:
             return None
     for modifier in found.modifiers:

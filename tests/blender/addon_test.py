@@ -150,6 +150,14 @@ class Again(WithBlender):
         self.assertEqual((found["mine"], found["kept_backup"]), (["mine", "mine"], True))
 
 
+class Scene(WithBlender):
+    """What is taken from the scene, and what is put into it."""
+
+    def test_flesh_finds_its_armature_and_mesh_under_new_names(self):
+        found = self.check("renamed", self.arm, last=2)
+        self.assertEqual(found, {"skinned": True, "hidden": True, "panel": True, "shown": True, "left": []})
+
+
 class Cancel(WithBlender):
     def test_nothing_of_it_is_left_and_the_bake_before_it_is_whole(self):
         found = self.check("cancel", self.arm)

@@ -39,7 +39,7 @@ def in_files_axes(place):
 
 def flesh_of(armature):
     return sorted((obj for obj in bpy.data.objects if obj.get("fascicle_mesh") and not obj.hide_get()
-                   and not obj.users_collection[0].hide_viewport), key=lambda obj: obj["fascicle_mesh"])
+                   and not obj.users_collection[0].hide_viewport), key=lambda obj: obj["fascicle_mesh"].name)
 
 
 def options(argv):
@@ -125,14 +125,14 @@ def round_trip(path, said):
     result["error"], result["frames"] = measure_exact(armature, result["folder"], frames_of(said)[0])
     flesh = flesh_of(armature)
     result["materials_kept"] = all([slot.material.name for slot in obj.material_slots if slot.material]
-                                   == before[obj["fascicle_mesh"]] for obj in flesh)
+                                   == before[obj["fascicle_mesh"].name] for obj in flesh)
     result["materials"] = sum(len(names) for names in before.values())
     result["objects"] = len(flesh)
     result["modifiers"] = [modifier.type for obj in flesh for modifier in obj.modifiers]
     first, last = frames_of(said)
     # The skinned positions: with `only`, most of the body just follows the skeleton.
     scene = bpy.context.scene
-    meshes = [bpy.data.objects[obj["fascicle_mesh"]] for obj in flesh]
+    meshes = [obj["fascicle_mesh"] for obj in flesh]
     result["hidden"] = all(obj.hide_viewport and obj.hide_render for obj in meshes)
     with_flesh, skinned = [], []
     for places, name in ((with_flesh, flesh[0].users_collection[0]["fascicle_bake"]), (skinned, "")):
@@ -210,6 +210,30 @@ def again(path, said):
     result.update(files_after=sorted(os.listdir(folder)), beside_after=sorted(os.listdir(said["folder"])),
                   mine=[open(name).read() for name in own], kept_backup=os.listdir(folder + ".old") == ["mine.txt"])
     result["error"], result["frames"] = measure_exact(armature, folder, frames_of(said)[0])
+    return result
+
+
+def renamed(path, said):
+    """Renames the armature and the mesh after a bake, then shows and clears; also with names in the custom properties,
+    as earlier add-ons wrote them."""
+    armature = open_character(path, said)
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    collection = next(found for found in bpy.data.collections if found.get("fascicle_bake"))
+    flesh, = collection.objects
+    armature.name, mesh.name = "Renamed", "Renamed mesh"
+    bpy.ops.fascicle.show(bake="")
+    result = {"skinned": not mesh.hide_viewport}
+    bpy.ops.fascicle.show(bake=collection["fascicle_bake"])
+    result["hidden"] = mesh.hide_viewport
+    # The panel of the flesh is that of its armature.
+    bpy.context.view_layer.objects.active = flesh
+    result["panel"] = bpy.ops.fascicle.clear.poll()
+    collection["fascicle_armature"], flesh["fascicle_mesh"] = armature.name, mesh.name
+    bpy.context.view_layer.objects.active = armature
+    assert bpy.ops.fascicle.clear() == {"FINISHED"}
+    result["shown"] = not mesh.hide_viewport and not mesh.hide_render
+    result["left"] = [obj.name for obj in bpy.data.objects if obj.get("fascicle_mesh")]
     return result
 
 
