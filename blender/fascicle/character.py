@@ -201,9 +201,16 @@ def write_character(path, context, armature, meshes, settings, first, last, fps)
     for mesh in meshes:
         _check(mesh, armature)
     before = scene.frame_current
+    hidden = [obj for obj in (armature, *meshes) if obj.hide_viewport]
     try:
+        # Blender does not evaluate what is hidden, such as meshes that an earlier bake is shown in place of.
+        for obj in hidden:
+            obj.hide_viewport = False
+        context.view_layer.update()
         document = _document_of(context, armature, meshes, settings, first, last, fps)
     finally:
+        for obj in hidden:
+            obj.hide_viewport = True
         scene.frame_set(before)
     document.write(path)
 

@@ -149,6 +149,15 @@ class Again(WithBlender):
         self.assertIn(found["backup"], found["beside_after"])
         self.assertEqual((found["mine"], found["kept_backup"]), (["mine", "mine"], True))
 
+    def test_a_second_bake_takes_the_character_as_it_is_now(self):
+        found = self.check("moved_after_bake", self.arm, last=3)
+        for change, (with_flesh, by_skinning) in found["pairs"].items():
+            self.assertRegex(by_skinning, "^[0-9a-f]{64}$", change)
+            self.assertEqual(with_flesh, by_skinning, change)
+        # The control: what is written differs after each change but hiding.
+        written = [found["as baked"], *(by_skinning for _, by_skinning in found["pairs"].values())]
+        self.assertEqual(len(set(written)), 3, written)
+
 
 class Scene(WithBlender):
     """What is taken from the scene, and what is put into it."""

@@ -5,6 +5,7 @@ judge. Bakes are decoded here, not by the add-on's reader."""
 
 import functools
 import glob
+import hashlib
 import json
 import os
 import struct
@@ -210,6 +211,59 @@ def again(path, said):
     result.update(files_after=sorted(os.listdir(folder)), beside_after=sorted(os.listdir(said["folder"])),
                   mine=[open(name).read() for name in own], kept_backup=os.listdir(folder + ".old") == ["mine.txt"])
     result["error"], result["frames"] = measure_exact(armature, folder, frames_of(said)[0])
+    return result
+
+
+def moved_after_bake(path, said):
+    """What a second bake writes of a character whose armature was moved after the first, is then keyed as an object,
+    and is hidden; each beside what is written while the mesh is shown. A shape key is keyed too."""
+    from fascicle import character
+    armature = open_character(path, said)
+    first, last = frames_of(said)
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    mesh.shape_key_add(name="Basis")
+    key = mesh.shape_key_add(name="longer")
+    for point in key.data:
+        point.co *= 1.1
+    for frame, value in ((first, 0.0), (last, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    # The flesh of a Mesh Cache shares the mesh's shape keys, and so lets Blender evaluate them.
+    armature.fascicle.attachment = "SHAPE_KEYS"
+
+    def written():
+        target = os.path.join(said["folder"], "character.glb")
+        try:
+            character.write_character(target, bpy.context, armature, [mesh], armature.fascicle, first, last, 24.0)
+        except Exception as error:
+            return repr(error)
+        with open(target, "rb") as file:
+            return hashlib.sha256(file.read()).hexdigest()
+
+    def move():
+        armature.location = (0.7, -1.3, 0.4)
+
+    def key_as_object():
+        for frame in (first, last):
+            armature.location.x = frame
+            armature.keyframe_insert("location", frame=frame)
+
+    def hide_armature():
+        armature.hide_viewport = True
+
+    result = {"pairs": {}}
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    result["as baked"] = written()
+    for change in (move, key_as_object, hide_armature):
+        bpy.ops.fascicle.show(bake=armature.animation_data.action.name)
+        change()
+        was_hidden = [mesh.hide_viewport, armature.hide_viewport]
+        with_flesh = written()
+        assert [mesh.hide_viewport, armature.hide_viewport] == was_hidden and mesh.hide_viewport
+        armature.hide_viewport = False
+        bpy.ops.fascicle.show(bake="")
+        bpy.context.scene.frame_set(last)
+        result["pairs"][change.__name__] = [with_flesh, written()]
     return result
 
 
