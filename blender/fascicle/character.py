@@ -4,6 +4,7 @@ key a frame, as Blender evaluates them with all constraints and drivers.
 Blender's own exporter splits vertices at seams and materials; then a bake's vertices would not be the mesh's. Metres,
 Y up: the scene's unit scale is taken out here and put back by `attach`."""
 
+import contextlib
 import re
 from array import array
 
@@ -18,6 +19,8 @@ TURN = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
 SHEAR = 1e-4
 # A custom property of an object that shows a bake: the mesh it stands for.
 FLESH = "fascicle_mesh"
+# How an object or a bone stands. The mode comes first, as a change of it converts the rotations.
+PLACEMENT = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
 LAYER_NUMBERS = {"bone": 1, "muscle": 2, "fat": 3}
 
 
@@ -44,6 +47,26 @@ def meshes_of(scene, armature):
 def attribute_name(group):
     """The glTF attribute of a vertex group that is a layer of its own."""
     return "_GROUP_" + re.sub("[^A-Z0-9]", "_", group.upper())
+
+
+@contextlib.contextmanager
+def pose_kept(armature):
+    """Evaluating an action overwrites the pose, also where nothing is keyed in the open action; here it comes back."""
+    owners = [armature, *armature.pose.bones]
+    kept = [(owner, name, getattr(owner, name)[:]) for owner in owners for name in PLACEMENT]
+    switches = [(bone, key, value) for bone in armature.pose.bones for key, value in bone.items()
+                if isinstance(value, (int, float))]
+    influences = [(constraint, constraint.influence) for owner in owners for constraint in owner.constraints]
+    try:
+        yield
+    finally:
+        for owner, name, value in kept:
+            setattr(owner, name, value)
+        for bone, key, value in switches:
+            bone[key] = value
+        for constraint, value in influences:
+            constraint.influence = value
+        armature.update_tag()
 
 
 class _Skeleton:

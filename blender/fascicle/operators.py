@@ -105,16 +105,17 @@ class Work:
             path = os.path.join(folder, "character.glb")
             data = self.armature.animation_data
             before = data.action if data else None
-            try:
-                if action:
-                    data = data or self.armature.animation_data_create()
-                    data.action = action
-                character.write_character(path, self.context, self.armature, self.meshes, self.settings, self.first,
-                                          last, fps)
-            finally:
-                if data:
-                    data.action = before
-                    scene.frame_set(scene.frame_current)
+            with character.pose_kept(self.armature):
+                try:
+                    if action:
+                        data = data or self.armature.animation_data_create()
+                        data.action = action
+                    character.write_character(path, self.context, self.armature, self.meshes, self.settings, self.first,
+                                              last, fps)
+                finally:
+                    if data:
+                        data.action = before
+                        scene.frame_set(scene.frame_current)
             options = ["--start=0", "--end=%r" % ((last - self.first) / fps)]
             if 0 <= self.first <= 1000000:
                 options.append("--first-frame=%d" % self.first)

@@ -137,6 +137,13 @@ class Actions(WithBlender):
         self.assertEqual(found["shown"], [found["first"]])
         self.assertEqual((found["open_after_show"], found["shown_after_show"]), ("second", ["second"]))
 
+    def test_no_action_of_a_list_leaves_something_in_the_pose(self):
+        found = self.check("pose_between_actions", self.arm, bone="forearm")
+        self.assertEqual(found["bakes"], 2)
+        self.assertEqual(found["after"], found["before"])
+        self.assertEqual(len(found["written"][0]), 1)
+        self.assertEqual(*found["written"])
+
 
 class Again(WithBlender):
     def test_a_second_bake_replaces_the_first_and_keeps_the_users_files(self):

@@ -181,6 +181,45 @@ def list_of_actions(path, said):
     return result
 
 
+def pose_between_actions(path, said):
+    """Bakes a list of actions, of which the first keys what the second does not, over a pose that is not keyed. What is
+    written of the second is the same as without the first, and the pose is as before."""
+    armature = open_character(path, said)
+    settings = armature.fascicle
+    settings.range, settings.uses_list = "ACTION", True
+    bone = armature.pose.bones[said["bone"]]
+    bone.rotation_mode = "QUATERNION"
+    bone["switch"] = 1.0
+    armature.animation_data.action = None
+    actions = {}
+    for name, paths in (("bends", ["pose.bones[%r].rotation_quaternion", "pose.bones[%r]['switch']", "location"]),
+                        ("rests", ["pose.bones[%r].location"])):
+        actions[name] = action = bpy.data.actions.new(name)
+        for path in paths:
+            path = path % bone.name if "%" in path else path
+            is_rotation = path.endswith("quaternion")
+            for index in range(4 if is_rotation else 1):
+                curve = action.fcurves.new(path.replace("'", '"'), index=index)
+                for frame in (1.0, 2.0):
+                    curve.keyframe_points.insert(frame, 1.0 if is_rotation and index == 0 else 0.05 * frame)
+
+    def state():
+        return [list(bone.rotation_quaternion), list(bone.location), bone["switch"], list(armature.location)]
+
+    bone.rotation_quaternion = (0.8, 0.6, 0.0, 0.0)
+    before = state()
+    result = {"written": []}
+    for names in (("rests",), ("bends", "rests")):
+        settings.actions.clear()
+        for name in names:
+            settings.actions.add().action = actions[name]
+        assert bpy.ops.fascicle.bake() == {"FINISHED"}
+        # Their names are by their content.
+        result["written"].append(sorted(glob.glob(said["folder"] + "/*-rests-*.glb")))
+    result.update(before=before, after=state(), bakes=len(glob.glob(said["folder"] + "/*/surface.pc2")))
+    return result
+
+
 def again(path, said):
     """Cuts a character into two meshes and bakes it; puts files of the user in the folder and beside it; then bakes
     fewer frames."""
