@@ -52,16 +52,17 @@ def _frames_of(scene, action, which):
 
 
 class Work:
-    """The bakes that one press of the button asks for, one after the other: Blender's side of program.Bake."""
+    """The bakes that one press of the button asks for, one after the other: Blender's side of program.Bake. It keeps
+    names and values, none of Blender's objects: an undo while the program works replaces them all."""
 
     def __init__(self, context, armature):
-        self.context, self.armature = context, armature
-        self.settings = armature.fascicle
+        self.context, self.scene, self.armature = context, context.scene.name, armature.name
+        self.settings = chosen.copy_of(armature.fascicle)
         self.program = program.find_program(context.preferences.addons[__package__].preferences.program)
-        self.meshes = character.meshes_of(context.scene, armature)
+        self.meshes = [mesh.name for mesh in character.meshes_of(context.scene, armature)]
         if not self.meshes:
             raise Problem("%s moves no mesh; give a mesh an Armature modifier" % armature.name)
-        self.actions = self._actions()
+        self.actions = self._actions(armature)
         self.folder = self._folder()
         self.warnings = []
         self.done = []  # names of bakes
@@ -75,10 +76,11 @@ class Work:
             self.cancel()
             raise
 
-    def _actions(self):
+    def _actions(self, armature):
+        """Names; None for the armature as it is, without an action."""
         if not self.settings.uses_list:
-            data = self.armature.animation_data
-            return [data.action if data else None]
+            data = armature.animation_data
+            return [data.action.name if data and data.action else None]
         actions = [entry.action for entry in self.settings.actions if entry.action]
         if not actions:
             raise Problem("The list of actions is empty; add one, or bake the open action")
@@ -90,28 +92,39 @@ class Work:
             raise Problem("Save the .blend file first, or choose a folder that does not depend on it")
         return bpy.path.abspath(path)
 
+    def _found(self, objects, name):
+        found = objects.get(name)
+        if found is None:
+            raise Problem("%s is no longer there; it was removed or renamed" % name)
+        return found
+
+    def _character(self):
+        """The armature and its meshes, as they are now."""
+        objects = self._found(bpy.data.scenes, self.scene).objects
+        return self._found(objects, self.armature), [self._found(objects, name) for name in self.meshes]
+
     def _name(self):
-        action = self.actions[self.at]
-        return action.name if action else self.armature.name
+        return self.actions[self.at] or self.armature
 
     def _begin(self):
         """Writes the character in the next action and starts the program."""
         scene = self.context.scene
-        action = self.actions[self.at]
+        armature, meshes = self._character()
+        action = self.actions[self.at] and self._found(bpy.data.actions, self.actions[self.at])
         fps = scene.render.fps / scene.render.fps_base
         self.first, last = _frames_of(scene, action, self.settings.range)
         os.makedirs(self.folder, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="fascicle-") as folder:
             path = os.path.join(folder, "character.glb")
-            data = self.armature.animation_data
+            data = armature.animation_data
             before = data.action if data else None
-            with character.pose_kept(self.armature):
+            with character.pose_kept(armature):
                 try:
                     if action:
-                        data = data or self.armature.animation_data_create()
+                        data = data or armature.animation_data_create()
                         data.action = action
-                    character.write_character(path, self.context, self.armature, self.meshes, self.settings, self.first,
-                                              last, fps)
+                    character.write_character(path, self.context, armature, meshes, self.settings, self.first, last,
+                                              fps)
                 finally:
                     if data:
                         data.action = before
@@ -119,7 +132,7 @@ class Work:
             options = ["--start=0", "--end=%r" % ((last - self.first) / fps)]
             if 0 <= self.first <= 1000000:
                 options.append("--first-frame=%d" % self.first)
-            target = os.path.join(self.folder, _file_name(self.armature.name) + "-" + _file_name(self._name()))
+            target = os.path.join(self.folder, _file_name(self.armature) + "-" + _file_name(self._name()))
             self.bake = program.Bake(self.program, path, target, fps, options + chosen.program_options(self.settings),
                                      chosen.layers_text(self.settings))
 
@@ -129,26 +142,25 @@ class Work:
             if not (self.bake.wait() if waits else self.bake.poll()):
                 return False
             self.warnings += ["%s: %s" % (self._name(), warning) for warning in self.bake.warnings]
-            attach.attach(self.context, self.armature, self.meshes, self._name(), self.bake.folder, self.first,
+            attach.attach(self.context, *self._character(), self._name(), self.bake.folder, self.first,
                           self.settings.attachment)
             self.done.append(self._name())
             self.at += 1
             if self.at < len(self.actions):
                 self._begin()
                 return False
-        except (Problem, OSError, ReferenceError) as problem:
+            self._show_open()
+        except (Problem, OSError):
             self.cancel()
-            if isinstance(problem, ReferenceError):
-                raise Problem("The character was removed while it was baked") from problem
             raise
-        self._show_open()
         self.cancel()
         return True
 
     def _show_open(self):
-        data = self.armature.animation_data
+        armature, _ = self._character()
+        data = armature.animation_data
         is_open = [name for name in self.done if data and data.action and data.action.name == name]
-        attach.show(self.armature, (is_open or self.done)[-1])
+        attach.show(armature, (is_open or self.done)[-1])
 
     def share(self):
         """How much of all is done, 0 to 1."""

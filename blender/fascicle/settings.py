@@ -1,5 +1,7 @@
 """What is chosen for a character, kept with its armature in the .blend file, and what that is to the program."""
 
+from types import SimpleNamespace
+
 import bpy
 from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty,
                        StringProperty)
@@ -102,6 +104,19 @@ def apply_preset(settings, identifier):
     wish = next(values for name, _, values in PRESETS if name == identifier)
     for key, value in {**PLAIN, **wish}.items():
         setattr(settings, key, value)
+
+
+def copy_of(group):
+    """The values of a property group, which stay when an undo replaces all that is Blender's. An action is its name."""
+    values = {}
+    for prop in group.bl_rna.properties:
+        value = getattr(group, prop.identifier)
+        if prop.type == "COLLECTION":
+            value = [copy_of(entry) for entry in value]
+        elif prop.type == "POINTER":
+            value = value.name if value else None
+        values[prop.identifier] = value
+    return SimpleNamespace(**values)
 
 
 def _number(value):

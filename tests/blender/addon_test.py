@@ -174,6 +174,19 @@ class Scene(WithBlender):
         self.assertEqual(found, {"skinned": True, "hidden": True, "panel": True, "shown": True, "left": []})
 
 
+class Meanwhile(WithBlender):
+    """What happens to the scene while the program works."""
+
+    def test_a_bake_outlives_the_objects_that_it_began_with(self):
+        found = self.check("other_memory", self.arm, last=2)
+        self.assertEqual(found["loaded"][0][1:], ["second"])
+        self.assertEqual(found["loaded"][1], 1)
+        # The second is as soft as the first, as the setting was when they began.
+        self.assertEqual(*found["layers"])
+        self.assertEqual(found["removed"], found["mesh"] + " is no longer there; it was removed or renamed")
+        self.assertEqual(found["running"], 0)
+
+
 class Cancel(WithBlender):
     def test_nothing_of_it_is_left_and_the_bake_before_it_is_whole(self):
         found = self.check("cancel", self.arm)
@@ -185,14 +198,20 @@ class Cancel(WithBlender):
 class Window(WithBlender):
     """In a window on an Xvfb display, where the operator is modal."""
 
-    def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):
+    def check_in_window(self, name, **said):
         if not shutil.which("xvfb-run"):
             if required("FASCICLE_REQUIRE_BLENDER"):
                 self.fail("FASCICLE_REQUIRE_BLENDER=1, and no xvfb-run on the PATH")
             self.skipTest("SKIPPED, NOT TESTED: no xvfb-run on the PATH")
         self.environment["LIBGL_ALWAYS_SOFTWARE"] = "1"
-        found = self.check("in_window", self.arm, before=("xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender"),
-                           first=14, last=60)
+        return self.check(name, self.arm, before=("xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender"), **said)
+
+    def test_an_undo_during_a_bake_does_not_end_it(self):
+        found = self.check_in_window("undo_in_window", first=14, last=60)
+        self.assertEqual(found, {"while_at_work": True, "undone": True, "flesh": 1})
+
+    def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):
+        found = self.check_in_window("in_window", first=14, last=60)
         self.assertEqual((found["pressed"], found["while_at_work"]), (["RUNNING_MODAL"], True))
         self.assertGreater(found["ticks"], 1)
         self.assertEqual(found["shares"], sorted(found["shares"]))

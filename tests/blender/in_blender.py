@@ -357,12 +357,65 @@ def cancel(path, said):
             "running": len(operators._running), "can_bake_again": bpy.ops.fascicle.bake.poll()}
 
 
-def press(what):
+def other_memory(path, said):
+    """Loads the file again while the program works on the first of two actions, so that all that Blender has lies
+    elsewhere and old references are void, as after an undo. Changes a setting; then again, and removes the mesh."""
+    from fascicle import operators
+    armature = open_character(path, said)
+    other = armature.animation_data.action.copy()
+    other.name = "second"
+    armature.fascicle.uses_list = True
+    for action in (armature.animation_data.action, other):
+        armature.fascicle.actions.add().action = action
+    name, mesh_name = armature.name, next(obj.name for obj in bpy.data.objects if obj.type == "MESH")
+    saved = os.path.join(os.path.dirname(said["folder"]), "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=saved)
+    result = {"layers": []}
+    for what in ("loaded", "removed"):
+        work = operators.Work(bpy.context, bpy.data.objects[name])
+        bpy.ops.wm.open_mainfile(filepath=saved)
+        bpy.data.objects[name].fascicle.softness = 5.0
+        if what == "removed":
+            bpy.data.objects.remove(bpy.data.objects[mesh_name])
+        try:
+            while not work.step(waits=True):
+                pass
+            result[what] = [work.done, len(flesh_of(bpy.data.objects[name]))]
+            for manifest in glob.glob(said["folder"] + "/*/manifest.json"):
+                with open(manifest) as file:
+                    result["layers"].append(json.load(file)["scene"]["layers"])
+        except operators.Problem as problem:
+            result[what] = str(problem)
+    result.update(mesh=mesh_name, running=len(operators._running))
+    return result
+
+
+def undo_in_window(path, said):
+    """Undoes a change while the program works. Yields as in_window does."""
+    bpy.context.preferences.view.show_splash = False
+    name = open_character(path, said).name
+    press(bpy.ops.ed.undo_push, "EXEC_DEFAULT", message="Opened")
+    bpy.data.objects[name].location.x = 1.0
+    press(bpy.ops.ed.undo_push, "EXEC_DEFAULT", message="Moved")
+    state = bpy.context.window_manager.fascicle
+    press(bpy.ops.fascicle.bake)
+    while state.progress == 0.0 and state.is_running:
+        yield 0.02
+    result = {"while_at_work": state.is_running}
+    press(bpy.ops.ed.undo, "EXEC_DEFAULT")
+    result["undone"] = bpy.data.objects[name].location.x == 0.0
+    while state.is_running:
+        yield 0.05
+    result.update(flesh=len(flesh_of(bpy.data.objects[name])))
+    yield result
+
+
+def press(what, how="INVOKE_DEFAULT", **properties):
     """Presses a button."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
-        return what("INVOKE_DEFAULT")
+        return what(how, **properties)
 
 
 def in_window(path, said):
