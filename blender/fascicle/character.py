@@ -84,11 +84,16 @@ class _Skeleton:
                 above = above.parent
             self.parents.append(self.numbers[above.name] if above else -1)
 
-    def locals_of(self, worlds):
-        """(translation, rotation, scale) of each joint in its parent; raises Problem where one is sheared."""
+    def locals_of(self, worlds, frame):
+        """(translation, rotation, scale) of each joint in its parent; raises Problem where one is sheared, or has no
+        place in a parent without extent."""
         result = []
         for number, parent in enumerate(self.parents):
-            matrix = worlds[number] if parent < 0 else worlds[parent].inverted() @ worlds[number]
+            try:
+                matrix = worlds[number] if parent < 0 else worlds[parent].inverted() @ worlds[number]
+            except ValueError as error:
+                raise Problem("Bone %s is scaled to 0 in frame %d, and bones below it are baked too; give it a small "
+                              "scale, such as 0.001" % (self.bones[parent].name, frame)) from error
             parts = matrix.decompose()
             again = Matrix.LocRotScale(*parts)
             largest = max(abs(x) for row in matrix for x in row)
@@ -247,10 +252,12 @@ def _document_of(context, armature, meshes, settings, first, last, fps):
     from_file = to_file.inverted()
     scene.frame_set(first)
     home = armature.matrix_world.copy()
+    if home.determinant() == 0.0:
+        raise Problem("%s is scaled to 0 in frame %d; its bones have no rest position there" % (armature.name, first))
     apart = [home.inverted_safe() @ mesh.matrix_world for mesh in meshes]
     bind = [to_file @ home @ bone.matrix_local @ from_file for bone in skeleton.bones]
 
-    for bone, (place, turn, scale) in zip(skeleton.bones, skeleton.locals_of(bind)):
+    for bone, (place, turn, scale) in zip(skeleton.bones, skeleton.locals_of(bind, first)):
         document.add("nodes", {"name": bone.name, "translation": list(place), "scale": list(scale),
                                "rotation": [turn.x, turn.y, turn.z, turn.w]})
     for number, parent in enumerate(skeleton.parents):
@@ -277,7 +284,7 @@ def _document_of(context, armature, meshes, settings, first, last, fps):
                 raise Problem("%s does not go along with %s, which moves as an object; make the armature its parent"
                               % (mesh.name, armature.name))
         posed = [world @ evaluated.pose.bones[bone.name].matrix @ from_file for bone in skeleton.bones]
-        for number, (place, turn, scale) in enumerate(skeleton.locals_of(posed)):
+        for number, (place, turn, scale) in enumerate(skeleton.locals_of(posed, frame)):
             if turns[number] is not None:
                 turn.make_compatible(turns[number])
             turns[number] = turn

@@ -137,7 +137,7 @@ class Work:
                                      chosen.layers_text(self.settings))
 
     def step(self, waits=False):
-        """True once all is done. `waits`: for the program. Raises Problem."""
+        """True once all is done. `waits`: for the program. Whatever it raises, such as Problem, is the end."""
         try:
             if not (self.bake.wait() if waits else self.bake.poll()):
                 return False
@@ -150,7 +150,7 @@ class Work:
                 self._begin()
                 return False
             self._show_open()
-        except (Problem, OSError):
+        except BaseException:
             self.cancel()
             raise
         self.cancel()
@@ -176,10 +176,10 @@ class Work:
 
     def cancel(self):
         """Ends the program, if it runs; bakes that are whole stay."""
-        if self.bake:
-            self.bake.cancel()
         if self in _running:
             _running.remove(self)
+        if self.bake:
+            self.bake.cancel()
 
 
 class FASCICLE_OT_bake(bpy.types.Operator):
@@ -231,6 +231,9 @@ class FASCICLE_OT_bake(bpy.types.Operator):
             self._finish(context)
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        except BaseException:
+            self._finish(context)
+            raise
         if is_done:
             self._finish(context)
             self._report(self._work)

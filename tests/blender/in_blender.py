@@ -494,6 +494,42 @@ def refused(path, said):
     return result
 
 
+def trouble_later(path, said):
+    """A list of two actions, of which the second scales a bone to 0; then an error of the add-on itself. What is said,
+    and whether the next bake can begin."""
+    from fascicle import attach, operators
+    armature = open_character(path, said)
+    settings = armature.fascicle
+    settings.range, settings.uses_list = "ACTION", True
+    plain = armature.animation_data.action
+    zero = plain.copy()
+    zero.name = "zero"
+    for curve in [curve for curve in zero.fcurves if curve.data_path == 'pose.bones["%s"].scale' % said["bone"]]:
+        zero.fcurves.remove(curve)
+    for index in range(3):
+        zero.fcurves.new('pose.bones["%s"].scale' % said["bone"], index=index).keyframe_points.insert(1.0, 0.0)
+    for action in (plain, zero):
+        settings.actions.add().action = action
+    result = {}
+
+    def bake(what):
+        try:
+            bpy.ops.fascicle.bake()
+            result[what] = "finished"
+        except RuntimeError as error:
+            result[what] = str(error).strip()
+        result["running"] = result.get("running", 0) + len(operators._running)
+        operators.stop()
+
+    bake("zero")
+    whole_attach, attach.attach = attach.attach, None
+    settings.actions.remove(1)
+    bake("of the add-on")
+    attach.attach = whole_attach
+    bake("after")
+    return result
+
+
 def painted(path, said):
     """Groups and layers from the panel, and what reached the program: the character's file and the manifest."""
     from fascicle import operators, settings as chosen
