@@ -63,6 +63,7 @@ class Work:
         if not self.meshes:
             raise Problem("%s moves no mesh; give a mesh an Armature modifier" % armature.name)
         self.actions = self._actions(armature)
+        self._check_names(armature)
         self.folder = self._folder()
         self.warnings = []
         self.done = []  # names of bakes
@@ -85,6 +86,17 @@ class Work:
         if not actions:
             raise Problem("The list of actions is empty; add one, or bake the open action")
         return list(dict.fromkeys(actions))
+
+    def _check_names(self, armature):
+        """Raises Problem where the bake of one action would replace that of another, in a folder that both would have.
+        An action that was baked and then renamed is none of them."""
+        baked = [found[attach.BAKE] for found in attach.collections_of(armature)]
+        others = [*filter(None, self.actions), *(name for name in baked if name in bpy.data.actions)]
+        for name in filter(None, self.actions):
+            for other in others:
+                if other != name and _file_name(other) == _file_name(name):
+                    raise Problem("The actions %s and %s would be baked into the same folder, %s-%s; rename one of them"
+                                  % (name, other, _file_name(armature.name), _file_name(name)))
 
     def _folder(self):
         path = self.settings.folder

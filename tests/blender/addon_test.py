@@ -227,7 +227,9 @@ class Refused(WithBlender):
                             ("a bone that is not there", "no such bone"),
                             ("not saved", "Save the .blend file first"),
                             ("an empty list", "list of actions is empty"),
-                            ("a modifier before the armature's", "Mirror stands before the armature's"),
+                            ("two actions of one folder", "The actions Walk 1 and Walk_1 would be baked into the same"),
+                           ("the folder of another action's bake", "The actions Walk 1 and Walk_1 would be"),
+                           ("a modifier before the armature's", "Mirror stands before the armature's"),
                             ("rest position", "set it to Pose Position"),
                             ("a folder that is no bake", "is no bake; choose another folder")):
             self.assertIn(words, found[what], what)

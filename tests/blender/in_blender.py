@@ -472,7 +472,17 @@ def refused(path, said):
     settings.folder = said["folder"]
     settings.uses_list = True
     said_by_bake("an empty list")
+    action = armature.animation_data.action
+    twin = action.copy()
+    action.name, twin.name = "Walk 1", "Walk_1"
+    for entry in (action, twin):
+        settings.actions.add().action = entry
+    said_by_bake("two actions of one folder")
     settings.uses_list = False
+    earlier = bpy.data.collections.new("Flesh Walk_1")
+    earlier["fascicle_armature"], earlier["fascicle_bake"] = armature, twin.name
+    said_by_bake("the folder of another action's bake")
+    bpy.data.collections.remove(earlier)
     mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
     mirror = mesh.modifiers.new("Mirror", "MIRROR")
     with bpy.context.temp_override(object=mesh):
