@@ -8,13 +8,11 @@ import bpy
 from mathutils import Matrix
 
 from . import character, point_cache
-from .character import FLESH
+from .character import FLESH, HIDDEN
 from .problem import Problem
 
-# Custom properties by which what was made here is found again: of a collection its armature and its bake's name; of a
-# mesh how it was hidden before.
+# Custom properties by which what was made here is found again: of a collection its armature and its bake's name.
 ARMATURE, BAKE = "fascicle_armature", "fascicle_bake"
-HIDDEN = "fascicle_hidden"
 
 
 def object_at(owner, key):
@@ -26,6 +24,11 @@ def object_at(owner, key):
 def collections_of(armature):
     """The collections of an armature's bakes, by name."""
     return [found for found in bpy.data.collections if object_at(found, ARMATURE) == armature]
+
+
+def _meshes_of(collection):
+    """The meshes that a bake's flesh stands for."""
+    return list(filter(None, (object_at(flesh, FLESH) for flesh in collection.objects)))
 
 
 def _unlink_from_all(obj):
@@ -48,7 +51,9 @@ def _flesh_object(mesh, armature, metres, shares_mesh):
     for modifier in list(flesh.modifiers)[:(number or 0) + 1] if number is not None and number >= 0 else []:
         flesh.modifiers.remove(modifier)
     flesh.matrix_world = Matrix.Scale(1.0 / metres, 4)
-    flesh.hide_viewport = flesh.hide_render = False
+    flesh.hide_viewport, flesh.hide_render = character.hidden_by_user(mesh)
+    if HIDDEN in flesh.keys():
+        del flesh[HIDDEN]
     return flesh
 
 
@@ -130,6 +135,9 @@ def attach(context, armature, meshes, name, folder, first, kind):
         _remove_collection(collection)
         raise
     for old in earlier:
+        # The new bake may leave out a mesh of the earlier one.
+        for mesh in _meshes_of(old):
+            _hide(mesh, False)
         _remove_collection(old)
     collection.name = "Flesh " + name
     show(armature, name)
@@ -138,20 +146,20 @@ def attach(context, armature, meshes, name, folder, first, kind):
 
 def show(armature, name):
     """Of an armature's bakes this one alone; where `name` is None, the meshes by skinning."""
-    for collection in collections_of(armature):
+    found = collections_of(armature)
+    replaced = {mesh for collection in found if collection[BAKE] == name for mesh in _meshes_of(collection)}
+    for collection in found:
         collection.hide_viewport = collection.hide_render = collection[BAKE] != name
-        for flesh in collection.objects:
-            mesh = object_at(flesh, FLESH)
-            if mesh:
-                _hide(mesh, name is not None)
+        for mesh in _meshes_of(collection):
+            _hide(mesh, mesh in replaced)
 
 
 def _hide(mesh, hidden):
     if hidden and HIDDEN not in mesh.keys():
-        mesh[HIDDEN] = [mesh.hide_viewport, mesh.hide_render]
+        mesh[HIDDEN] = character.hidden_by_user(mesh)
         mesh.hide_viewport = mesh.hide_render = True
     elif not hidden and HIDDEN in mesh.keys():
-        mesh.hide_viewport, mesh.hide_render = (bool(value) for value in mesh[HIDDEN])
+        mesh.hide_viewport, mesh.hide_render = character.hidden_by_user(mesh)
         del mesh[HIDDEN]
 
 

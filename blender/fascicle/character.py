@@ -19,6 +19,8 @@ TURN = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
 SHEAR = 1e-4
 # A custom property of an object that shows a bake: the mesh it stands for.
 FLESH = "fascicle_mesh"
+# A custom property of a mesh in whose place a bake is shown: how its user had hidden it, in the view and in renders.
+HIDDEN = "fascicle_hidden"
 # How an object or a bone stands. The mode comes first, as a change of it converts the rotations.
 PLACEMENT = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
 LAYER_NUMBERS = {"bone": 1, "muscle": 2, "fat": 3}
@@ -37,11 +39,37 @@ def armature_modifier(mesh, armature):
     return -1 if mesh.parent == armature and mesh.parent_type == "ARMATURE" else None
 
 
-def meshes_of(scene, armature):
+def hidden_by_user(mesh):
+    """Whether its user hides a mesh in the view, and in renders."""
+    return [bool(value) for value in mesh.get(HIDDEN, (mesh.hide_viewport, mesh.hide_render))]
+
+
+def _shown_collections(layer):
+    """Those of a view layer that are hidden neither themselves nor by one above."""
+    collection = layer.collection
+    if layer.hide_viewport or collection.hide_viewport or collection.hide_render:
+        return
+    if not layer.exclude:
+        yield collection
+    for child in layer.children:
+        yield from _shown_collections(child)
+
+
+def moved_meshes(scene, armature):
     """The meshes that an armature moves, by name. Flesh that was baked is none of them."""
     return sorted((found for found in scene.objects
                    if found.type == "MESH" and FLESH not in found.keys()
                    and armature_modifier(found, armature) is not None), key=lambda found: found.name)
+
+
+def meshes_of(context, armature):
+    """Of the meshes that an armature moves those that are baked: the ones that the user shows. Coarser copies and cages
+    are hidden."""
+    layer = context.view_layer
+    shown = set(_shown_collections(layer.layer_collection))
+    return [mesh for mesh in moved_meshes(context.scene, armature)
+            if not any(hidden_by_user(mesh)) and not shown.isdisjoint(mesh.users_collection)
+            and not mesh.hide_get(view_layer=layer)]
 
 
 def attribute_name(group):

@@ -59,8 +59,12 @@ class Work:
         self.context, self.scene, self.armature = context, context.scene.name, armature.name
         self.settings = chosen.copy_of(armature.fascicle)
         self.program = program.find_program(context.preferences.addons[__package__].preferences.program)
-        self.meshes = [mesh.name for mesh in character.meshes_of(context.scene, armature)]
+        self.meshes = [mesh.name for mesh in character.meshes_of(context, armature)]
         if not self.meshes:
+            hidden = character.moved_meshes(context.scene, armature)
+            if hidden:
+                raise Problem("%s moves no mesh that is shown; in the view and for renders, show %s"
+                              % (armature.name, " or ".join(mesh.name for mesh in hidden[:3])))
             raise Problem("%s moves no mesh; give a mesh an Armature modifier" % armature.name)
         self.actions = self._actions(armature)
         self._check_names(armature)

@@ -54,10 +54,10 @@ class FASCICLE_PT_main(_Panel, bpy.types.Panel):
             layout.label(text="Choose an armature, or a mesh on one", icon="INFO")
             return
         settings, state = armature.fascicle, context.window_manager.fascicle
-        meshes = character.meshes_of(context.scene, armature)
+        meshes = character.meshes_of(context, armature)
         names = ", ".join(mesh.name for mesh in meshes[:3]) + (", ..." if len(meshes) > 3 else "")
         layout.label(text=armature.name, icon="ARMATURE_DATA")
-        layout.label(text=names or "it moves no mesh", icon="MESH_DATA" if meshes else "ERROR")
+        layout.label(text=names or "it moves no mesh that is shown", icon="MESH_DATA" if meshes else "ERROR")
         layout.prop(settings, "uses_list")
         if settings.uses_list:
             _draw_list(layout, settings, "FASCICLE_UL_actions", "actions", "action_index")
@@ -111,7 +111,7 @@ class FASCICLE_PT_layers(_Panel, bpy.types.Panel):
         armature = operators.armature_of(context)
         settings = armature.fascicle
         # The groups of the active mesh, or of the first; other meshes are asked for groups of the same names.
-        meshes = character.meshes_of(context.scene, armature)
+        meshes = character.meshes_of(context, armature)
         mesh = context.object if context.object in meshes else next(iter(meshes), None)
         if mesh is None:
             return

@@ -169,6 +169,16 @@ class Again(WithBlender):
 class Scene(WithBlender):
     """What is taken from the scene, and what is put into it."""
 
+    def test_what_the_user_hides_is_left_alone(self):
+        found = self.check("hidden_meshes", self.arm, last=2)
+        self.assertEqual(found["baked"], [["body", "hat"], ["body"]])
+        self.assertFalse(found["hat"], "a mesh that the second bake left out stayed hidden")
+        self.assertEqual(found["with_flesh"], found["before"])
+        self.assertEqual(found["after"], found["before"])
+        self.assertTrue(found["flesh_shown"] and found["shown"])
+        self.assertIn("moves no mesh that is shown; in the view and for renders, show body or by_eye",
+                      found["all hidden"])
+
     def test_flesh_finds_its_armature_and_mesh_under_new_names(self):
         found = self.check("renamed", self.arm, last=2)
         self.assertEqual(found, {"skinned": True, "hidden": True, "panel": True, "shown": True, "left": []})

@@ -220,22 +220,27 @@ def pose_between_actions(path, said):
     return result
 
 
-def again(path, said):
-    """Cuts a character into two meshes and bakes it; puts files of the user in the folder and beside it; then bakes
-    fewer frames."""
-    armature = open_character(path, said)
-    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+def cut_in_two(mesh, share):
+    """A new mesh with this share of the faces, which the other one has no more."""
     other = mesh.copy()
     other.data = mesh.data.copy()
     mesh.users_collection[0].objects.link(other)
-    half = len(mesh.data.polygons) // 2
-    for obj, unwanted in ((mesh, slice(half)), (other, slice(half, None))):
+    count = int(len(mesh.data.polygons) * share)
+    for obj, unwanted in ((mesh, slice(count)), (other, slice(count, None))):
         edited = bmesh.new()
         edited.from_mesh(obj.data)
         edited.faces.ensure_lookup_table()
         bmesh.ops.delete(edited, geom=edited.faces[unwanted], context="FACES")
         edited.to_mesh(obj.data)
         edited.free()
+    return other
+
+
+def again(path, said):
+    """Cuts a character into two meshes and bakes it; puts files of the user in the folder and beside it; then bakes
+    fewer frames."""
+    armature = open_character(path, said)
+    cut_in_two(next(obj for obj in bpy.data.objects if obj.type == "MESH"), 0.5)
     assert bpy.ops.fascicle.bake() == {"FINISHED"}
     folder = baked_folder(said)
     result = {"files": sorted(os.listdir(folder)), "beside": sorted(os.listdir(said["folder"])),
@@ -303,6 +308,57 @@ def moved_after_bake(path, said):
         bpy.ops.fascicle.show(bake="")
         bpy.context.scene.frame_set(last)
         result["pairs"][change.__name__] = [with_flesh, written()]
+    return result
+
+
+def hidden_meshes(path, said):
+    """Copies of the mesh that the user hides in each way, beside the mesh itself: what is baked, twice; how they are
+    hidden before, with the flesh and after; and what is said where the mesh is hidden too."""
+    armature = open_character(path, said)
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    hat = cut_in_two(mesh, 0.05)
+    mesh.name, hat.name = "body", "hat"
+
+    def copy_in(name, collection):
+        copy = mesh.copy()
+        copy.name = name
+        collection.objects.link(copy)
+        return copy
+
+    first = mesh.users_collection[0]
+    ways = ("in_collection", "in_excluded_collection", "in_collection_of_proxies")
+    collections = {name: bpy.data.collections.new(name) for name in ways}
+    for collection in collections.values():
+        bpy.context.scene.collection.children.link(collection)
+    copies = [copy_in(name, collection) for name, collection in collections.items()]
+    collections["in_collection"].hide_viewport = True
+    bpy.context.view_layer.layer_collection.children["in_excluded_collection"].exclude = True
+    collections["in_collection_of_proxies"].hide_render = True
+    copies += [copy_in(name, first) for name in ("in_view", "in_renders", "by_eye")]
+    bpy.data.objects["in_view"].hide_viewport = True
+    bpy.data.objects["in_renders"].hide_render = True
+    bpy.context.view_layer.update()
+    bpy.data.objects["by_eye"].hide_set(True)
+
+    def state():
+        return [[obj.name, obj.hide_viewport, obj.hide_render] for obj in copies]
+
+    result = {"before": state(), "baked": []}
+    for _ in range(2):
+        assert bpy.ops.fascicle.bake() == {"FINISHED"}
+        result["baked"].append([obj["fascicle_mesh"].name for obj in flesh_of(armature)])
+        # The second bake is without it.
+        hat.hide_set(True)
+    result.update(with_flesh=state(), hat=hat.hide_viewport or hat.hide_render)
+    hat.hide_set(False)
+    result["flesh_shown"] = not any(obj.hide_viewport or obj.hide_render for obj in flesh_of(armature))
+    bpy.ops.fascicle.clear()
+    result.update(after=state(), shown=not mesh.hide_viewport and not mesh.hide_render)
+    mesh.hide_viewport = hat.hide_viewport = True
+    try:
+        bpy.ops.fascicle.bake()
+    except RuntimeError as error:
+        result["all hidden"] = str(error)
     return result
 
 
