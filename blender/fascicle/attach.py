@@ -47,9 +47,12 @@ def _flesh_object(mesh, armature, metres, shares_mesh):
     flesh.animation_data_clear()
     flesh.constraints.clear()
     flesh.parent = None
-    number = character.armature_modifier(flesh, armature)
-    for modifier in list(flesh.modifiers)[:(number or 0) + 1] if number is not None and number >= 0 else []:
-        flesh.modifiers.remove(modifier)
+    first = character.armature_modifier(flesh, armature)
+    for number, modifier in enumerate(list(flesh.modifiers)):
+        # There may be several of the armature.
+        is_armatures = modifier.type == "ARMATURE" and modifier.object == armature
+        if is_armatures or (first is not None and number < first):
+            flesh.modifiers.remove(modifier)
     flesh.matrix_world = Matrix.Scale(1.0 / metres, 4)
     flesh.hide_viewport, flesh.hide_render = character.hidden_by_user(mesh)
     if HIDDEN in flesh.keys():

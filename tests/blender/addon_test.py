@@ -179,6 +179,11 @@ class Scene(WithBlender):
         self.assertIn("moves no mesh that is shown; in the view and for renders, show body or by_eye",
                       found["all hidden"])
 
+    def test_no_armature_moves_the_flesh_again(self):
+        found = self.check("two_armature_modifiers", self.arm, first=14, last=16)
+        self.assertEqual(found, {"error": 0.0, "frames": 3, "modifiers": ["MESH_CACHE", "SUBSURF"],
+                                 "of_the_mesh": ["ARMATURE", "ARMATURE", "SUBSURF"]})
+
     def test_flesh_finds_its_armature_and_mesh_under_new_names(self):
         found = self.check("renamed", self.arm, last=2)
         self.assertEqual(found, {"skinned": True, "hidden": True, "panel": True, "shown": True, "left": []})

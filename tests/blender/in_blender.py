@@ -311,6 +311,18 @@ def moved_after_bake(path, said):
     return result
 
 
+def two_armature_modifiers(path, said):
+    """The flesh of a mesh that the armature moves by two modifiers."""
+    armature = open_character(path, said)
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    mesh.modifiers.new("Second", "ARMATURE").object = armature
+    mesh.modifiers.new("Later", "SUBSURF").show_viewport = False
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    error, frames = measure_exact(armature, baked_folder(said), frames_of(said)[0])
+    return {"error": error, "frames": frames, "modifiers": [found.type for found in flesh_of(armature)[0].modifiers],
+            "of_the_mesh": [found.type for found in mesh.modifiers]}
+
+
 def hidden_meshes(path, said):
     """Copies of the mesh that the user hides in each way, beside the mesh itself: what is baked, twice; how they are
     hidden before, with the flesh and after; and what is said where the mesh is hidden too."""
