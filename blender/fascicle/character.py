@@ -5,6 +5,7 @@ Blender's own exporter splits vertices at seams and materials; then a bake's ver
 Y up: the scene's unit scale is taken out here and put back by `attach`."""
 
 import contextlib
+import itertools
 import re
 from array import array
 
@@ -72,9 +73,15 @@ def meshes_of(context, armature):
             and not mesh.hide_get(view_layer=layer)]
 
 
-def attribute_name(group):
-    """The glTF attribute of a vertex group that is a layer of its own."""
-    return "_GROUP_" + re.sub("[^A-Z0-9]", "_", group.upper())
+def attribute_names(layers):
+    """The glTF attribute of each vertex group that is a layer of its own: a different one for each group."""
+    names = {}
+    for group in dict.fromkeys(layer.group for layer in layers if layer.group):
+        # Attributes have capitals and digits alone, so different groups may want the same.
+        wanted = "_GROUP_" + re.sub("[^A-Z0-9]", "_", group.upper())
+        numbered = ("%s_%d" % (wanted, number) for number in itertools.count(2))
+        names[group] = next(name for name in itertools.chain([wanted], numbered) if name not in names.values())
+    return names
 
 
 @contextlib.contextmanager
@@ -190,9 +197,8 @@ def _painted(mesh, settings):
                                         ("_STIFFNESS", settings.stiffness_group, 1.0)):
         if group:
             attributes[attribute] = _weights_by_group(mesh, group, elsewhere)
-    for layer in settings.layers:
-        if layer.group:
-            attributes[attribute_name(layer.group)] = _weights_by_group(mesh, layer.group)
+    for group, attribute in attribute_names(settings.layers).items():
+        attributes[attribute] = _weights_by_group(mesh, group)
     return attributes
 
 

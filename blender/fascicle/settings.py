@@ -125,19 +125,21 @@ def _number(value):
     return text if "." in text or "e" in text else text + ".0"
 
 
-def _layer_text(layer, number):
+def _layer_text(layer, number, attribute):
     if layer.stiffness in ("youngs_modulus", "frequency"):
         pascals = 1000.0 if layer.stiffness == "youngs_modulus" else 1.0
         stiffness = "%s = %s" % (layer.stiffness, _number(getattr(layer, layer.stiffness) * pascals))
     else:
         stiffness = 'material = "%s"' % layer.stiffness
-    where = '{ painted = { attribute = "%s", minimum = 0.5, maximum = 1.0 } }' % character.attribute_name(layer.group)
+    where = '{ painted = { attribute = "%s", minimum = 0.5, maximum = 1.0 } }' % attribute
     return "[layers.painted-%d]\n%s\ndamping = %s\nwhere = %s\n" % (number, stiffness, _number(layer.damping), where)
 
 
 def layers_text(settings):
     """The painted layers as tables of a scene file; empty without any."""
-    return "\n".join(_layer_text(layer, number) for number, layer in enumerate(settings.layers) if layer.group)
+    attributes = character.attribute_names(settings.layers)
+    return "\n".join(_layer_text(layer, number, attributes[layer.group])
+                     for number, layer in enumerate(settings.layers) if layer.group)
 
 
 def program_options(settings):

@@ -263,6 +263,13 @@ class Refused(WithBlender):
 
 
 class Settings(WithBlender):
+    def test_groups_of_like_names_are_different_layers(self):
+        found = self.check("groups_of_like_names", self.arm)
+        self.assertEqual(found["marked"], [[group] for group in found["groups"]])
+        self.assertEqual(len(set(found["names"])), len(set(found["groups"])))
+        self.assertEqual(found["names"][0], "_GROUP_FAT_L")
+        self.assertTrue(found["legal"], found["names"])
+
     def test_groups_and_layers_reach_the_program(self):
         found = self.check("painted", self.arm, last=2)
         count = found["count"]
