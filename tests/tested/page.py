@@ -12,8 +12,8 @@ SANITIZERS = ("asan", "tsan")
 PAGE = """# What the tests are worth
 
 A passing test says little until one knows what it would have caught. Three commands measure that: whether the suite is
-clean under sanitizers, which lines it runs, and whether it notices planted faults. With `--write`, each updates its
-part of this page.
+clean under sanitizers, which lines it runs, and whether it notices planted faults. `./do coverage --write` updates its
+part of this page, and the others theirs with the same option.
 
 ## Sanitizers
 
