@@ -24,6 +24,7 @@ FLESH = "fascicle_mesh"
 HIDDEN = "fascicle_hidden"
 # How an object or a bone stands. The mode comes first, as a change of it converts the rotations.
 PLACEMENT = ("rotation_mode", "location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle", "scale")
+DELTAS = ("delta_location", "delta_rotation_quaternion", "delta_rotation_euler", "delta_scale")
 LAYER_NUMBERS = {"bone": 1, "muscle": 2, "fat": 3}
 
 
@@ -67,9 +68,9 @@ def meshes_of(context, armature):
     """Of the meshes that an armature moves those that are baked: the ones that the user shows. Coarser copies and cages
     are hidden."""
     layer = context.view_layer
-    shown = set(_shown_collections(layer.layer_collection))
+    shown = list(_shown_collections(layer.layer_collection))
     return [mesh for mesh in moved_meshes(context.scene, armature)
-            if not any(hidden_by_user(mesh)) and not shown.isdisjoint(mesh.users_collection)
+            if not any(hidden_by_user(mesh)) and any(found.objects.get(mesh.name) == mesh for found in shown)
             and not mesh.hide_get(view_layer=layer)]
 
 
@@ -86,19 +87,21 @@ def attribute_names(layers):
 
 @contextlib.contextmanager
 def pose_kept(armature):
-    """Evaluating an action overwrites the pose, also where nothing is keyed in the open action; here it comes back."""
+    """Evaluating an action overwrites the pose, also where nothing is keyed in the open action. Here the placements of
+    the armature and its bones come back, their custom numbers, and the influences of their constraints."""
     owners = [armature, *armature.pose.bones]
     kept = [(owner, name, getattr(owner, name)[:]) for owner in owners for name in PLACEMENT]
-    switches = [(bone, key, value) for bone in armature.pose.bones for key, value in bone.items()
-                if isinstance(value, (int, float))]
+    kept += [(armature, name, getattr(armature, name)[:]) for name in DELTAS]
+    switches = [(owner, key, value.to_list() if hasattr(value, "to_list") else value) for owner in owners
+                for key, value in owner.items() if isinstance(value, (int, float)) or hasattr(value, "to_list")]
     influences = [(constraint, constraint.influence) for owner in owners for constraint in owner.constraints]
     try:
         yield
     finally:
         for owner, name, value in kept:
             setattr(owner, name, value)
-        for bone, key, value in switches:
-            bone[key] = value
+        for owner, key, value in switches:
+            owner[key] = value
         for constraint, value in influences:
             constraint.influence = value
         armature.update_tag()
@@ -127,8 +130,9 @@ class _Skeleton:
             try:
                 matrix = worlds[number] if parent < 0 else worlds[parent].inverted() @ worlds[number]
             except ValueError as error:
-                raise Problem("Bone %s is scaled to 0 in frame %d, and bones below it are baked too; give it a small "
-                              "scale, such as 0.001" % (self.bones[parent].name, frame)) from error
+                raise Problem("Bone %s is scaled to 0 in frame %d, by itself or by a bone above it, and bones below it "
+                              "are baked too; give it a small scale, such as 0.001"
+                              % (self.bones[parent].name, frame)) from error
             parts = matrix.decompose()
             again = Matrix.LocRotScale(*parts)
             largest = max(abs(x) for row in matrix for x in row)
@@ -277,6 +281,12 @@ def write_character(path, context, armature, meshes, settings, first, last, fps)
     document.write(path)
 
 
+def _check_extent(armature, world, frame):
+    if world.determinant() == 0.0:
+        raise Problem("%s is scaled to 0 in frame %d; its bones have no place there. Give it a small scale, such as "
+                      "0.001" % (armature.name, frame))
+
+
 def _document_of(context, armature, meshes, settings, first, last, fps):
     scene = context.scene
     metres = metres_per_unit(scene)
@@ -286,8 +296,7 @@ def _document_of(context, armature, meshes, settings, first, last, fps):
     from_file = to_file.inverted()
     scene.frame_set(first)
     home = armature.matrix_world.copy()
-    if home.determinant() == 0.0:
-        raise Problem("%s is scaled to 0 in frame %d; its bones have no rest position there" % (armature.name, first))
+    _check_extent(armature, home, first)
     apart = [home.inverted_safe() @ mesh.matrix_world for mesh in meshes]
     bind = [to_file @ home @ bone.matrix_local @ from_file for bone in skeleton.bones]
 
@@ -311,6 +320,7 @@ def _document_of(context, armature, meshes, settings, first, last, fps):
         scene.frame_set(frame)
         graph = context.evaluated_depsgraph_get()
         evaluated = armature.evaluated_get(graph)
+        _check_extent(armature, evaluated.matrix_world, frame)
         world = to_file @ evaluated.matrix_world
         for mesh, home_of_mesh in zip(meshes, apart):
             off = (evaluated.matrix_world @ home_of_mesh) - mesh.evaluated_get(graph).matrix_world

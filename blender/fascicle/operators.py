@@ -69,7 +69,8 @@ class Work:
         self.actions = self._actions(armature)
         self._check_names(armature)
         self.folder = self._folder()
-        self.warnings = []
+        self.warnings = ["%s is hidden, and not baked" % mesh.name
+                         for mesh in character.moved_meshes(context.scene, armature) if mesh.name not in self.meshes]
         self.done = []  # names of bakes
         self.at = 0
         self.bake = None
@@ -93,10 +94,13 @@ class Work:
 
     def _check_names(self, armature):
         """Raises Problem where the bake of one action would replace that of another, in a folder that both would have.
-        An action that was baked and then renamed is none of them."""
+        The bake of an action that has since been renamed may be replaced."""
         baked = [found[attach.BAKE] for found in attach.collections_of(armature)]
         others = [*filter(None, self.actions), *(name for name in baked if name in bpy.data.actions)]
+        names = [action.name for action in bpy.data.actions]
         for name in filter(None, self.actions):
+            if names.count(name) > 1:
+                raise Problem("A library has an action %s too; rename the one of this file" % name)
             for other in others:
                 if other != name and _file_name(other) == _file_name(name):
                     raise Problem("The actions %s and %s would be baked into the same folder, %s-%s; rename one of them"
@@ -116,7 +120,10 @@ class Work:
 
     def _character(self):
         """The armature and its meshes, as they are now."""
-        objects = self._found(bpy.data.scenes, self.scene).objects
+        scene = self._found(bpy.data.scenes, self.scene)
+        if self.context.scene != scene:
+            raise Problem("The scene %s was left while it was baked; open it and bake again" % scene.name)
+        objects = scene.objects
         return self._found(objects, self.armature), [self._found(objects, name) for name in self.meshes]
 
     def _name(self):

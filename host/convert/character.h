@@ -19,8 +19,8 @@ using Matrix = Eigen::Matrix4d;
 struct Source {
   bool is_fbx = false;     // it has an FBX file's axes, unit and chains
   bool has_spans = false;  // FBX: a stack states its start or its stop
-  bool has_clips =
-      false;  // Collada: names several clips. Assimp 5.2 does not read which animations they have
+  // Collada: names more than one clip. Assimp 5.2 does not read which animations they have.
+  bool has_several_clips = false;
 };
 
 Source source_of(const std::string& bytes, bool is_fbx);

@@ -311,7 +311,12 @@ void add_clips(Character& character, const Source& source) {
     character.clips.push_back(std::move(clip));
   }
   if (!source.is_fbx) {
-    if (!source.has_clips) join_clips(character);
+    if (!source.has_several_clips)
+      join_clips(character);
+    else if (character.clips.size() > 1)
+      character.notes.push_back(
+          "the file names several clips, and which animations they have is not read: each "
+          "animation is a clip of its own. Export each clip into a file of its own");
     for (Clip& clip : character.clips) begin_at_zero(clip);
   }
   if (lost_shapes.empty()) return;

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -14,6 +16,8 @@ namespace fascicle::convert {
 struct Document {
   nlohmann::json json;
   std::string binary;
+  // Nodes that stand in for a joint where it is bound again, by the joint and its number there.
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> stand_ins = {};
 };
 
 std::size_t add_view(Document& document, const void* data, std::size_t bytes);

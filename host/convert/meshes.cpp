@@ -23,12 +23,12 @@ struct Influence {
 // is. Skins share them.
 std::size_t stand_in(const Character& character, std::size_t joint, std::size_t number, Document& document) {
   json& nodes = document.json["nodes"];
-  const std::string name = character.nodes[joint].name + " bind " + std::to_string(number);
-  for (const std::size_t child : nodes[joint].value("children", json::array()))
-    if (child >= character.nodes.size() && nodes[child]["name"] == name) return child;
-  nodes.push_back({{"name", name}});
-  nodes[joint]["children"].push_back(nodes.size() - 1);
-  return nodes.size() - 1;
+  const auto [known, is_new] = document.stand_ins.try_emplace({joint, number}, nodes.size());
+  if (is_new) {
+    nodes.push_back({{"name", character.nodes[joint].name + " bind " + std::to_string(number)}});
+    nodes[joint]["children"].push_back(known->second);
+  }
+  return known->second;
 }
 
 // The joints of one node's skin, and their inverse bind matrices.
@@ -37,7 +37,8 @@ class Skin {
   Skin(const Character& character, std::size_t node) : character_(character), node_(node) {}
 
   // A slot per bone and bind matrix: a bone with different offsets in two meshes gets two slots. Joints of
-  // one name are one, with the bind matrix of the first bone: the other's would move its skin to the first.
+  // one name cannot be told apart here, and are one, with the bind matrix of the first bone. With its own,
+  // the other's skin would move to the first joint.
   std::optional<std::uint16_t> slot_of(const aiBone& bone) {
     const std::size_t joint = find_node(character_, bone.mName.C_Str());
     if (joint == character_.nodes.size()) return std::nullopt;

@@ -2,19 +2,25 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 
 #include "host/convert/character.h"
 
 namespace fascicle::convert {
 namespace {
 
+// The longest property of interest. The rest of the file is not searched at each name, which may be there a
+// million times.
+constexpr std::size_t longest = 200;
+
 // `at`: after the name of an FBX property that is a time. 0 if there is none.
-std::int64_t ticks_at(const std::string& bytes, std::size_t at) {
+std::int64_t ticks_at(std::string_view bytes, std::size_t at) {
+  bytes = bytes.substr(0, at + longest);
   std::int64_t ticks = 0;
   if (at < bytes.size() && bytes[at] == '"') {  // text: "LocalStop", "KTime", "Time", "",46186158000
-    for (int comma = 0; comma < 4 && at != std::string::npos; ++comma) at = bytes.find(',', at + 1);
-    if (at != std::string::npos) at = bytes.find_first_not_of(" \t\r\n", at + 1);
-    if (at == std::string::npos) return 0;
+    for (int comma = 0; comma < 4 && at != bytes.npos; ++comma) at = bytes.find(',', at + 1);
+    if (at != bytes.npos) at = bytes.find_first_not_of(" \t\r\n", at + 1);
+    if (at == bytes.npos) return 0;
     std::from_chars(bytes.data() + at, bytes.data() + bytes.size(), ticks);
     return ticks;
   }
@@ -43,7 +49,7 @@ Source source_of(const std::string& bytes, bool is_fbx) {
   source.is_fbx = is_fbx;
   source.has_spans = is_fbx && (states_time(bytes, "LocalStart") || states_time(bytes, "LocalStop"));
   const std::string clip = "<animation_clip";
-  source.has_clips = !is_fbx && bytes.find(clip) != bytes.rfind(clip);
+  source.has_several_clips = !is_fbx && bytes.find(clip) != bytes.rfind(clip);
   return source;
 }
 
