@@ -3,8 +3,14 @@
 // number and the hashes of its positions, velocities and surface. The exactness tests run this program
 // compiled at several optimisation levels, on several devices and under several C library settings, and
 // compare what it prints.
+//
+// Programs that differ from the release build only in the solver need not build the model again: the first of
+// them leaves it in the folder FASCICLE_KEPT_MODEL, and the others read it there.
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +18,9 @@
 #include <vector>
 
 #include "cpu_reference/solver/cpu_solver.h"
+#ifdef FASCICLE_KEEPS_MODELS
+#include "host/bake/model_file.h"
+#endif
 #include "host/build/build.h"
 #include "host/build/steps.h"
 #include "host/drive/drive_source.h"
@@ -70,17 +79,48 @@ void step_on(const std::string& device, std::uint64_t frames, const scene::Scene
   }
 }
 
-void run(const std::string& name, std::uint64_t frames, const std::vector<std::string>& devices) {
-  const scene::Scene scene = scene::load_scene(name);
+struct Body {
+  model::Model model;
+  build::Steps steps;
+};
+
+Body built(const scene::Scene& scene) {
   build::Report report;
   build::BuildOptions options;
 #ifdef FASCICLE_MESHER
   options.mesher = FASCICLE_MESHER;
 #endif
-  const model::Model model = build::build_model(scene, report, options);
-  model::check_model(model);
-  const build::Steps steps = build::choose_steps(scene, model, report);
-  for (const std::string& device : devices) step_on(device, frames, scene, model, steps);
+  Body body;
+  body.model = build::build_model(scene, report, options);
+  model::check_model(body.model);
+  body.steps = build::choose_steps(scene, body.model, report);
+  return body;
+}
+
+Body body_of(const scene::Scene& scene) {
+#ifdef FASCICLE_KEEPS_MODELS
+  if (const char* folder = std::getenv("FASCICLE_KEPT_MODEL")) {
+    const std::filesystem::path steps = std::filesystem::path(folder) / "steps",
+                                file = std::filesystem::path(folder) / bake::model_file_name;
+    if (std::filesystem::exists(steps)) {
+      Body body{bake::read_model_file(file, std::nullopt), {}};
+      std::ifstream(steps) >> body.steps.substeps >> body.steps.iterations;
+      return body;
+    }
+    Body body = built(scene);
+    const std::string bytes = bake::encode_model(body.model);
+    std::ofstream(file, std::ios::binary) << bytes;
+    std::ofstream(steps) << body.steps.substeps << ' ' << body.steps.iterations;
+    return body;
+  }
+#endif
+  return built(scene);
+}
+
+void run(const std::string& name, std::uint64_t frames, const std::vector<std::string>& devices) {
+  const scene::Scene scene = scene::load_scene(name);
+  const Body body = body_of(scene);
+  for (const std::string& device : devices) step_on(device, frames, scene, body.model, body.steps);
 }
 
 }  // namespace
