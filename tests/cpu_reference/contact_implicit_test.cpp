@@ -1,5 +1,6 @@
 // Contact in the implicit integrator, stage by stage: solver against Oracle, the effect of an iteration on
-// momentum, and the purpose of settling. contact_test.cpp tests what both integrators share.
+// momentum, and the purpose of settling. contact_test.cpp and contact_by_hand_test.cpp test what both
+// integrators share.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
