@@ -2,24 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numbers>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 
-#include <Eigen/LU>
-
-#include "host/base/text.h"
+#include "host/build/bind_place.h"
+#include "host/build/bone_axis.h"
+#include "host/build/bone_reasons.h"
 #include "host/build/joint_skin.h"
-#include "host/build/measures.h"
 #include "host/build/message.h"
 #include "host/build/skin_inside.h"
 #include "host/build/surface_search.h"
 #include "host/build/turns.h"
-#include "host/model/reach.h"
 
 namespace fascicle::build {
 
@@ -27,11 +23,6 @@ namespace {
 
 // Bones shorter than this part of the skeleton's extent are points.
 constexpr double point_of_extent = 1e-6;
-// An end's bone reaches this share of the span of most of its skin (most_skin).
-constexpr double end_reach = 0.85;
-constexpr double most_skin = 0.98;
-// Samples along a bone to test whether it runs inside the skin.
-constexpr int axis_samples = 10;
 
 // A joint continues a bone above it if it moves at least this share of that bone's skin: a neck's head, but
 // not a breast.
@@ -39,7 +30,6 @@ constexpr double goes_on_share = 0.5;
 constexpr double most_open_going_on = 0.75;
 // Users are told if joints that are too small for bones move more than this share of the skin.
 constexpr double most_of_small_joints = 0.5;
-constexpr std::size_t most_named_roots = 5;
 // A root outside the skin that moves less than this share of it is a control.
 constexpr double control_share = 5e-3;
 // How far outside, as a share of the skeleton's extent.
@@ -54,34 +44,6 @@ constexpr double most_turn_of_flesh = 20.0 * std::numbers::pi / 180.0;
 // to the middle of its own skin) and at most this far off that axis (as a share of the distance along it),
 // and if the other's skin has at least this share of the area of the joint's own skin.
 constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
-
-[[noreturn]] void fail_for_inverse(const rig::Joint& joint, const std::string& source) {
-  fail(source, "joint \"" + joint.name + "\": its inverse bind matrix has no inverse");
-}
-
-Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
-  const Eigen::FullPivLU<Eigen::Matrix4d> factored(joint.inverse_bind);
-  if (joint.inverse_bind.allFinite() && factored.isInvertible()) {
-    const Eigen::Vector4d origin = factored.solve(Eigen::Vector4d(0, 0, 0, 1));
-    return origin.head<3>() / origin[3];
-  }
-  // Next to a translation of 1e8, a rotation counts as zero.
-  const Eigen::FullPivLU<Eigen::Matrix3d> linear(joint.inverse_bind.topLeftCorner<3, 3>());
-  if (!joint.inverse_bind.allFinite() || !linear.isInvertible() ||
-      joint.inverse_bind.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-    fail_for_inverse(joint, source);
-  return -linear.solve(joint.inverse_bind.topRightCorner<3, 1>());
-}
-
-// Farther away, nothing can be simulated.
-Vector3d bind_place(const rig::Joint& joint, double scale, const std::string& source) {
-  const Vector3d place = scale * bind_position(joint, source);
-  if (!place.allFinite()) fail_for_inverse(joint, source);
-  if (!(place.cwiseAbs().maxCoeff() < model::farthest))
-    fail(source, "joint \"" + joint.name + "\": it is " + base::number_text(place.cwiseAbs().maxCoeff()) +
-                     " m away from the origin, which cannot be simulated; move the character nearer");
-  return place;
-}
 
 class Chooser {
  public:
@@ -288,41 +250,9 @@ class Chooser {
     return all;
   }
 
-  static bool runs_inside(const SkinInside& skin, const Vector3d& from, const Vector3d& to) {
-    int inside = 0;
-    for (int k = 0; k < axis_samples; ++k)
-      inside += skin.contains(from + (k + 0.5) / axis_samples * (to - from)) ? 1 : 0;
-    return 2 * inside >= axis_samples;
-  }
-
-  // The tip of a bone that ends a chain: from its start into its joint's skin, as far as most of that
-  // reaches.
   Vector3d tip_of(std::size_t joint, const Vector3d& begin) const {
-    const Vector3d towards = skin_.below[joint].middle - begin;
-    const double length = towards.norm();
-    if (!(choice_.report[joint].share > 0.0) || !(length > shortest_)) return begin;
-    std::vector<std::pair<double, double>> reach;  // along the bone, area
-    double all = 0.0;
-    for_each_part(joint, [&](const Vector3d& p, double area) {
-      reach.emplace_back((p - begin).dot(towards) / length, area);
-      all += area;
-    });
-    std::sort(reach.begin(), reach.end());
-    double sum = 0.0, far = 0.0;
-    for (const auto& [along, area] : reach) {
-      far = along;
-      sum += area;
-      if (sum >= most_skin * all) break;
-    }
-    return begin + std::max(end_reach * far, length) / length * towards;
-  }
-
-  // Vertices that a joint and its descendants move, and their areas times its weight.
-  template <class Use>
-  void for_each_part(std::size_t joint, Use use) const {
-    for (std::size_t v = 0; v < skin_.with_below.size(); ++v)
-      for (const auto& [j, w] : skin_.with_below[v])
-        if (j == joint) use(surface_.vertices[v], w * skin_.vertex_area[v]);
+    if (!(choice_.report[joint].share > 0.0)) return begin;
+    return tip_of_chain(surface_, skin_, joint, begin, shortest_);
   }
 
   std::vector<char> joints_that_lead_on() const {
@@ -391,26 +321,13 @@ class Chooser {
       const std::int32_t parent = bone_above(j);
       for (const Segment& s : all) {
         if (static_cast<std::int32_t>(s.from) != parent || s.to == j) continue;
-        if (!lies_around(j, place_[s.from], place_[s.to])) continue;
+        if (!lies_around(surface_, skin_, j, place_[s.from], place_[s.to])) continue;
         is_twist_[j] = 1;
         why_[j] = "its skin lies around the bone of " + character_.skeleton[s.from].name;
       }
     }
     for (std::size_t j = 0; j < size(); ++j)
       if (is_twist_[j]) is_bone_[j] = 0;
-  }
-
-  // Whether a joint's skin lies around a segment: the skin's middle is much nearer to it than the skin
-  // itself.
-  bool lies_around(std::size_t joint, const Vector3d& from, const Vector3d& to) const {
-    double sum = 0.0, area = 0.0;
-    for_each_part(joint, [&](const Vector3d& p, double part) {
-      sum += part * segment_distance(p, from, to);
-      area += part;
-    });
-    const Vector3d& middle = skin_.below[joint].middle;
-    const double along = (middle - from).dot(to - from) / (to - from).squaredNorm();
-    return along > 0.0 && along < 1.0 && 2.0 * area * segment_distance(middle, from, to) < sum;
   }
 
   static std::int32_t index(std::size_t joint) { return static_cast<std::int32_t>(joint); }
@@ -484,49 +401,16 @@ class Chooser {
       roots.insert("\"" + character_.skeleton[root].name + "\"");
     }
     if (!(area > most_of_small_joints * skin_.whole) || !settings_.only.empty()) return;
-    std::string names;
-    for (const std::string& name : roots) names += (names.empty() ? "" : ", ") + name;
-    const std::string advice = roots.size() > most_named_roots
-                                   ? "name joints in skeleton.simulated, or lower skeleton.least_share"
-                                   : "set skeleton.simulated = [" + names + "], or name joints below";
-    choice_.warning = base::percent_text(area / skin_.whole) +
-                      " of the skin follows the skeleton because the joints there are too small to be bones: "
-                      "each moves less than " +
-                      base::percent_text(settings_.least_share) +
-                      " of the skin (skeleton.least_share); if it is flesh, " + advice;
+    choice_.warning = small_joints_warning(area / skin_.whole, settings_.least_share, roots);
   }
 
-  // "bone: its skin closes around it (open 0.12); moves 4.1 % of the skin; ..."
   void write_reasons() {
     for (std::size_t j = 0; j < size(); ++j) {
-      JointReport& joint = choice_.report[j];
-      std::ostringstream text;
-      text << std::fixed << (joint.is_bone ? "bone: " : "no bone: ");
-      if (!(joint.share > 0.0)) {
-        joint.reason = joint.is_bone ? "bone: requested" : "no bone: moves no skin";
-        continue;
-      }
-      if (!why_[j].empty())
-        text << why_[j];
-      else if (refused_[j])
-        text << "excluded";
-      else if (is_control_[j])
-        text << "a control outside the skin";
-      else if (joint.share < settings_.least_share)
-        text << "moves less than " << std::setprecision(1) << 100.0 * settings_.least_share
-             << " % of the skin";
-      else
-        text << "its skin does not close around it";
-      text << " (open " << std::setprecision(2) << joint.openness << "); moves " << std::setprecision(1)
-           << 100.0 * joint.share << " % of the skin";
+      JointDecision decision{
+          .why = why_[j], .is_excluded = refused_[j] != 0, .is_control = is_control_[j] != 0};
       for (const Meeting& over : over_)
-        if (over.from == j) text << "; leads to " << character_.skeleton[over.to].name;
-      if (joint.ends_chain) text << "; ends a chain";
-      if (joint.is_kinematic)
-        text << "; its flesh follows the skeleton";
-      else if (!joint.is_bone)
-        text << "; its flesh is free";
-      joint.reason = text.str();
+        if (over.from == j) decision.leads_to.push_back(character_.skeleton[over.to].name);
+      choice_.report[j].reason = reason_of(choice_.report[j], decision, settings_.least_share);
     }
   }
 
