@@ -11,7 +11,6 @@
 #include <optional>
 #include <set>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include <poll.h>
@@ -21,6 +20,7 @@
 #include "host/bake/folder.h"
 #include "host/bake/manifest.h"
 #include "host/base/errors.h"
+#include "host/cli/bake_devices.h"
 #include "host/cli/batch_summary.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/device_failures.h"
@@ -37,9 +37,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// For most of a bake, a GPU waits for the threads that feed it, so several bakes share one. A software driver
-// uses all cores for a single bake.
-constexpr unsigned most_on_a_gpu = 8;
 // A process ended by a signal has this status plus the signal's number.
 constexpr int of_signal = 128;
 
@@ -79,9 +76,9 @@ class Batch {
         failures_(split_device_list(asked_.devices)) {}
 
   ExitCode run() {
-    check_devices();
+    require_devices(asked_.devices);
     check_folders();
-    fill_slots();
+    for (BakeDevice& device : devices_at_once(asked_)) slots_.push_back({std::move(device), nullptr, 0, {}});
     if (asked_.dry_run) {
       print_plan();
       return ExitCode::done;
@@ -124,68 +121,14 @@ class Batch {
   }
 
  private:
-  struct Device {
-    std::string label;
-    unsigned threads = 0;      // per bake; 0: the bake's default
-    std::uint64_t memory = 0;  // bytes of a GPU's own memory; 0: it uses the machine's
-  };
   struct Slot {
-    Device device;
+    BakeDevice device;
     std::unique_ptr<ChildBake> bake;
     std::size_t job;
     Clock::time_point start;
   };
 
-  // Interleaved, so that even a few jobs use all devices.
-  void fill_slots() {
-    const std::vector<std::string> labels = split_device_list(asked_.devices);
-    const auto is_cpu = [](const std::string& label) {
-      return parse_device(label).kind == DeviceRequest::Kind::cpu;
-    };
-    const auto on_cpu = static_cast<unsigned>(std::count_if(labels.begin(), labels.end(), is_cpu));
-    const unsigned cores = std::max(1U, std::thread::hardware_concurrency() / std::max(1U, on_cpu));
-    const std::vector<gpu::DeviceInfo> gpus = devices_for(asked_.devices);
-    std::vector<std::pair<Device, std::size_t>> devices;
-    std::size_t most = 0;
-    for (const std::string& label : labels) {
-      Device device{label, asked_.threads};
-      unsigned at_once = std::max(1U, cores / std::max(1U, asked_.threads));
-      if (!is_cpu(label)) {
-        const std::vector<gpu::DeviceInfo> found = candidates(parse_device(label), gpus);
-        const bool is_real = !found.empty() && !found.front().software;
-        at_once = is_real ? std::clamp(cores / 2, 1U, most_on_a_gpu) : 1U;
-        device.memory = is_real ? found.front().memory : 0;
-      }
-      if (asked_.at_once > 0) at_once = asked_.at_once;
-      const std::size_t bakes = std::min<std::size_t>(at_once, asked_.bakes.size());
-      if (device.threads == 0 && is_cpu(label) && bakes > 1)
-        device.threads = std::max(1U, cores / static_cast<unsigned>(bakes));
-      devices.emplace_back(std::move(device), bakes);
-      most = std::max(most, bakes);
-    }
-    for (std::size_t turn = 0; turn < most; ++turn)
-      for (const auto& [device, bakes] : devices)
-        if (turn < bakes) slots_.push_back({device, nullptr, 0, {}});
-  }
-
   fs::path folder_of(const OneBake& job) const { return asked_.output / job.name; }
-
-  // A missing device would fail job after job, faster than the other devices bake them.
-  void check_devices() const {
-    const std::vector<gpu::DeviceInfo> devices = devices_for(asked_.devices);
-    const std::vector<std::string> labels = split_device_list(asked_.devices);
-    for (const std::string& label : labels) {
-      const DeviceRequest request = parse_device(label);
-      if (request.kind == DeviceRequest::Kind::automatic) continue;
-      const std::vector<cpu_reference::Simd> levels = cpu_reference::available_simd();
-      const cpu_reference::Simd simd = request.simd;
-      const bool is_there = request.kind == DeviceRequest::Kind::cpu
-                                ? simd == cpu_reference::Simd::automatic ||
-                                      std::find(levels.begin(), levels.end(), simd) != levels.end()
-                                : !candidates(request, devices).empty();
-      if (!is_there) throw NoSuchDevice(label + ": there is no such device; fascicle devices lists them");
-    }
-  }
 
   void check_folders() const {
     for (const OneBake& job : asked_.bakes) {
@@ -198,7 +141,7 @@ class Batch {
       refuse_foreign_summary(asked_.output, "move it away, or bake everything again with --overwrite");
   }
 
-  std::vector<std::string> command_of(const OneBake& job, const Device& device) const {
+  std::vector<std::string> command_of(const OneBake& job, const BakeDevice& device) const {
     const auto number = static_cast<std::size_t>(&job - asked_.bakes.data());
     const std::string label = failures_.device_of(number, device.label);
     // A file name that starts with a dash would be taken for an option.
@@ -250,7 +193,7 @@ class Batch {
   // Whether one more bake as large as the largest so far fits next to the running ones, each of which may
   // still grow to that size. The size is known once a bake has frames. On a GPU, a bake is assumed to take no
   // more than in main memory.
-  bool has_room(const Device& device) const {
+  bool has_room(const BakeDevice& device) const {
     if (!one_had_frames_) return false;
     std::uint64_t on_device = largest_memory_, wanted = largest_memory_ + largest_memory_ / 4;
     for (const Slot& slot : slots_) {
