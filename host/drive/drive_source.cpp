@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,6 +11,7 @@
 #include "host/base/trigonometry.h"
 #include "host/drive/collider_drive.h"
 #include "host/drive/felt_acceleration.h"
+#include "host/drive/motion_breaks.h"
 #include "host/drive/muscle_drive.h"
 #include "host/drive/pose_bones.h"
 #include "host/drive/timeline.h"
@@ -35,12 +35,6 @@ struct DriveSource::Impl {
   void append_standing_colliders(const Pose* before, const Pose* at, const Vector3d& origin);
   double time_of(std::uint64_t count) const;
   void clear();
-  Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
-  Pose followed_back(std::size_t character, std::uint64_t count);
-  Pose followed_on(std::size_t character, std::uint64_t count);
-  bool accelerates(std::size_t joint, std::uint64_t count);
-  double acceleration_of(std::size_t joint, std::uint64_t count);
-  bool is_bounded(std::uint64_t count);
   void append_break(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                     const Vector3d& after);
   std::vector<shader::Bone> start_after(const Vector3d& origin);
@@ -52,6 +46,7 @@ struct DriveSource::Impl {
   std::optional<Timeline> timeline;         // empty without a skeleton
   std::optional<FeltAcceleration> felt;     // likewise
   std::vector<std::size_t> character_of;    // per joint
+  std::optional<MotionBreaks> breaks;       // empty without a skeleton
   std::optional<MuscleDrive> muscle_drive;  // empty without muscles
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
@@ -85,6 +80,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
   if (character != nullptr) felt.emplace(scene, *character, model);
   for (std::size_t j = 0; j < model.joint_count; ++j)
     character_of.push_back(scene::character_of_joint(scene, j));
+  if (character != nullptr) breaks.emplace(*timeline, *felt, character_of, h());
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
     decay.push_back(static_cast<float>(base::exact_exp(-layer.damping * h())));
@@ -144,103 +140,17 @@ void DriveSource::Impl::append_standing_colliders(const Pose* before, const Pose
   collider_drive.append({scene.start, before}, {scene.start, at}, origin, colliders);
 }
 
-// A weighted sum of poses; weights sum to 1.
-Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts) {
-  Pose sum;
-  for (const auto& [weight, count] : parts) {
-    const Pose& pose = timeline->pose(count);
-    if (sum.empty()) sum.assign(pose.size(), Eigen::Matrix4d::Zero());
-    for (std::size_t j = 0; j < pose.size(); ++j) sum[j] += weight * pose[j];
-  }
-  return sum;
-}
-
-// The motion after a character's cut in substep `count`, extrapolated back to the beginning of the substep:
-// with constant acceleration, unless another cut follows too soon. Only for the joints of that character,
-// like the next.
-Pose DriveSource::Impl::followed_back(std::size_t character, std::uint64_t count) {
-  if (timeline->is_cut_of(character, count + 1) || timeline->is_cut_of(character, count + 2))
-    return mixed({{2.0, count}, {-1.0, count + 1}});
-  return mixed({{3.0, count}, {-3.0, count + 1}, {1.0, count + 2}});
-}
-
-// The pose one substep before the end of substep count - 1, chosen so that the step between them has the
-// speed which the ending motion would have in the middle of substep `count`. Both motions are thus taken at
-// the same time, and a cut within steady motion changes nothing. If there was a cut in the substep before,
-// the motion is the one that began there.
-Pose DriveSource::Impl::followed_on(std::size_t character, std::uint64_t count) {
-  const auto is_cut = [&](std::uint64_t k) { return timeline->is_cut_of(character, k); };
-  if (count == 1) return timeline->pose(0);
-  if (is_cut(count - 1)) return followed_back(character, count - 1);
-  if (count == 2 || is_cut(count - 2)) return timeline->pose(count - 2);
-  return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
-}
-
-// Whether the ends of substeps count - 2, count - 1 and count belong to one motion of the joint's character.
-bool DriveSource::Impl::accelerates(std::size_t joint, std::uint64_t count) {
-  const std::size_t character = character_of[joint];
-  return count >= 2 && !timeline->is_cut_of(character, count) && !timeline->is_cut_of(character, count - 1);
-}
-
-// What a joint that accelerates() has into substep `count`, since the last cut at the most. The largest
-// change of velocity within the window counts, so that a pose that flips and holds is bounded where it begins
-// and where it ends.
-double DriveSource::Impl::acceleration_of(std::size_t joint, std::uint64_t count) {
-  if (!felt->has_flesh(joint)) return 0.0;
-  const std::uint64_t window = substeps_of_window(h());
-  double largest = 0.0;
-  for (std::uint64_t first = count - 1; first >= 1 && count - first <= window; --first) {
-    if (first < count - 1 && timeline->is_cut_of(character_of[joint], first)) break;
-    largest = std::max(largest, felt->of_joint(joint, {timeline->pose(first - 1), timeline->pose(first),
-                                                       timeline->pose(count - 1), timeline->pose(count), h(),
-                                                       static_cast<double>(window) * h()}));
-  }
-  return largest;
-}
-
-// Whether a joint's acceleration into substep `count` exceeds the limit on what its flesh feels.
-bool DriveSource::Impl::is_bounded(std::uint64_t count) {
-  for (std::size_t j = 0; j < character_of.size(); ++j)
-    if (accelerates(j, count) && acceleration_of(j, count) > felt->limit(j)) return true;
-  return false;
-}
-
-// Appends a break between the ends of substeps count - 1 and count, which is substep number `substep` of its
-// frame. A character with a cut there is carried over it. All others stay in place, and their flesh receives
-// that part of the skeleton's change of velocity into substep `count` which it is not supposed to feel.
+// Appends the break between the ends of substeps count - 1 and count, which is substep number `substep` of
+// its frame.
 void DriveSource::Impl::append_break(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                                      const Vector3d& after) {
-  const Pose at = timeline->pose(count - 1), to = timeline->pose(count);
-  const Pose old = count >= 2 ? timeline->pose(count - 2) : at;
-  Pose ended = old, begun = at, given = at, followed_to, followed_from;
-  std::size_t followed = character_of.size();  // the character that the last two are of
-  for (std::size_t j = 0; j < at.size(); ++j) {
-    const std::size_t character = character_of[j];
-    if (timeline->is_cut_of(character, count)) {
-      if (followed != character) {
-        followed_to = followed_on(character, count);
-        followed_from = followed_back(character, count);
-        followed = character;
-      }
-      ended[j] = followed_to[j];
-      begun[j] = followed_from[j];
-      given[j] = to[j];
-      continue;
-    }
-    if (accelerates(j, count)) {
-      const double acceleration = acceleration_of(j, count);
-      const double share = acceleration > felt->limit(j) ? 1.0 - felt->limit(j) / acceleration : 0.0;
-      given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
-    } else {
-      ended[j] = at[j];
-    }
-  }
+  const BreakPoses poses = breaks->poses(count);
   const std::size_t first = cut_poses.size();
   cut_poses.resize(first + 4);
-  append_bones(ended, before, cut_poses[first]);
-  append_bones(at, before, cut_poses[first + 1]);
-  append_bones(begun, after, cut_poses[first + 2]);
-  append_bones(given, after, cut_poses[first + 3]);
+  append_bones(poses.ended, before, cut_poses[first]);
+  append_bones(poses.at, before, cut_poses[first + 1]);
+  append_bones(poses.begun, after, cut_poses[first + 2]);
+  append_bones(poses.given, after, cut_poses[first + 3]);
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }
 
@@ -301,12 +211,12 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
   // there.
   bool cut_ahead = false;
   for (std::uint64_t s = 1; impl.timeline && s <= substeps; ++s)
-    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s) || impl.is_bounded(first + s);
+    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s) || impl.breaks->is_bounded(first + s);
   const Vector3d shift = cut_ahead ? Vector3d(Vector3d::Zero()) : Vector3d((end - before) / impl.model.unit);
   Vector3d origin = cut_ahead ? before : end;
   for (std::uint64_t s = 0; s < substeps; ++s) {
     const std::uint64_t count = first + s + 1;
-    if (impl.timeline && (impl.timeline->is_cut(count) || impl.is_bounded(count))) {
+    if (impl.timeline && (impl.timeline->is_cut(count) || impl.breaks->is_bounded(count))) {
       impl.append_break(static_cast<std::uint32_t>(s), count, origin, end);
       origin = end;
     }
@@ -354,7 +264,7 @@ std::vector<DriveSource::Thrown> DriveSource::thrown(const GoesOn& goes_on) {
     // A clip that ends between two frames stops there, and no key is to blame.
     if (impl.timeline->is_over(count)) break;
     for (std::size_t j = 0; j < of_joint.size(); ++j) {
-      const double a = impl.accelerates(j, count) ? impl.acceleration_of(j, count) : 0.0;
+      const double a = impl.breaks->accelerates(j, count) ? impl.breaks->acceleration_of(j, count) : 0.0;
       if (a > std::max(impl.felt->limit(j), of_joint[j].acceleration))
         of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count - 2 + substeps) / substeps};
     }
@@ -390,9 +300,9 @@ void DriveSource::for_each_throw(const std::function<void(const std::vector<Thro
       thrown[j].gravity = impl.scene.motion.rest == scene::Rest::sculpted
                               ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
                               : impl.scene.gravity;
-      if (!impl.accelerates(j, count)) continue;
+      if (!impl.breaks->accelerates(j, count)) continue;
       const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
-      const double most = impl.acceleration_of(j, count);
+      const double most = impl.breaks->acceleration_of(j, count);
       const double felt = most > impl.felt->limit(j) ? impl.felt->limit(j) / most : 1.0;
       thrown[j].inertia = -felt * impl.felt->in_middle(j, before, at, to, impl.h());
     }
