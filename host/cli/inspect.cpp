@@ -1,11 +1,12 @@
 // fascicle inspect: the contents of a scene or a mesh, before anything is simulated.
 #include <iostream>
 #include <memory>
-#include <span>
 
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/cli/inspect_counts.h"
+#include "host/cli/inspect_json.h"
 #include "host/cli/model_vtu.h"
 #include "host/cli/open_ends.h"
 #include "host/cli/part_names.h"
@@ -13,8 +14,6 @@
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/rig/pose.h"
-#include "host/scene/muscle_bones.h"
-#include "host/scene/scene_json.h"
 
 namespace fascicle::cli {
 namespace {
@@ -26,223 +25,6 @@ struct InspectArguments {
   std::string model_file;
   bool json = false;
 };
-
-double share_of(double part, double whole) {
-  return whole > 0.0 ? part / whole : 0.0;
-}
-
-std::size_t longest_ring(const model::Model& model) {
-  std::size_t longest = 0;
-  for (std::size_t i = 0; i < model.vertex_count; ++i)
-    longest = std::max<std::size_t>(longest, model.ring_offset[i + 1] - model.ring_offset[i]);
-  return longest;
-}
-
-Json json_of(const std::vector<build::JointReport>& joints) {
-  Json list = Json::array();
-  for (const build::JointReport& joint : joints)
-    list.push_back({{"name", joint.name},
-                    {"parent", joint.parent < 0 ? Json(nullptr) : Json(joint.parent)},
-                    {"skin_share", joint.share},
-                    {"openness", joint.openness},
-                    {"bone", joint.is_bone},
-                    {"ends_chain", joint.ends_chain},
-                    {"kinematic", joint.is_kinematic},
-                    {"reason", joint.reason}});
-  return list;
-}
-
-// A muscle of the scene, as built.
-struct MuscleCount {
-  std::string name, bone;
-  double bone_length = 0.0;  // m
-  std::size_t regions = 0, bulging = 0;
-};
-
-std::vector<MuscleCount> count_muscles(const scene::Scene& scene, const model::Model& model) {
-  std::vector<MuscleCount> counts;
-  const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  if (character == nullptr) return counts;
-  for (const scene::Muscle& muscle : scene.muscles) {
-    const scene::MuscleBones bones = scene::muscle_bones(*character, muscle);
-    counts.push_back({muscle.name, character->skeleton[bones.carrier].name,
-                      scene.scale * (bones.to - bones.from).norm(), 0, 0});
-  }
-  for (const shader::RegionMuscle& entry : model.region_muscle) {
-    ++counts[entry.muscle].regions;
-    counts[entry.muscle].bulging += entry.bulge != 0.0f ? 1u : 0u;
-  }
-  return counts;
-}
-
-Json json_of(const std::vector<build::RigidReport>& parts) {
-  Json list = Json::array();
-  for (const build::RigidReport& part : parts)
-    list.push_back(
-        {{"name", part.name}, {"joint", part.joint}, {"vertices", part.vertices}, {"reason", part.reason}});
-  return list;
-}
-
-Json json_of(const build::FibreReport& fibres) {
-  return {{"constraints", fibres.constraints},     {"rounds", fibres.rounds},
-          {"iterations", fibres.iterations},       {"edges", fibres.edges},
-          {"flipped_edges", fibres.flipped_edges}, {"bent_edges", fibres.bent_edges},
-          {"without_direction", fibres.without},   {"seconds", fibres.seconds}};
-}
-
-Json json_of(const build::Finding& finding) {
-  return {{"count", finding.count}, {"vertices", finding.vertices}};
-}
-
-Json json_of(const build::Spread& spread) {
-  return {{"percentile_1_m", spread.low}, {"percentile_99_m", spread.high}, {"ratio", spread.ratio()}};
-}
-
-Json json_of(const std::vector<bake::OpenEndEntry>& ends) {
-  Json list = Json::array();
-  for (const bake::OpenEndEntry& end : ends)
-    list.push_back({{"joint", end.joint},
-                    {"became", end.became},
-                    {"width_m", end.width},
-                    {"edges", end.edges},
-                    {"vertex", end.vertex}});
-  return list;
-}
-
-// Null for bars and tetrahedral files, which have no skin to fill.
-Json json_of(const build::CageReport& cage) {
-  if (!cage.has_skin) return nullptr;
-  const build::SurfaceFindings& found = cage.findings;
-  return {{"cage", cage.is_cage},
-          {"reason", cage.reason},
-          {"parts", json_of(found.parts)},
-          {"loose_vertices", json_of(found.loose_vertices)},
-          {"flat_triangles", json_of(found.flat_triangles)},
-          {"open_edges", json_of(found.open_edges)},
-          {"non_manifold_edges", json_of(found.non_manifold_edges)},
-          {"non_manifold_vertices", json_of(found.non_manifold_vertices)},
-          {"turned_edges", json_of(found.turned_edges)},
-          {"inverted_parts", json_of(found.inverted_parts)},
-          {"intersections", json_of(found.intersections)},
-          {"genus", found.genus},
-          {"skin_volume_m3", cage.skin_volume},
-          {"skin_spacing", json_of(cage.skin_spacing)},
-          {"spacing", json_of(cage.spacing)},
-          {"edges", json_of(cage.edges)},
-          {"closed_gaps_m", 2.0 * cage.alpha},
-          {"wrap_offset_m", cage.offset},
-          {"cut_tetrahedra", cage.cut_tetrahedra},
-          {"wrap_seconds", cage.wrap_seconds},
-          {"fill_seconds", cage.fill_seconds},
-          {"cut_seconds", cage.cut_seconds}};
-}
-
-std::span<const rig::Clip> clips_of(const scene::Scene& scene) {
-  const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  return character != nullptr ? std::span<const rig::Clip>(character->clips) : std::span<const rig::Clip>();
-}
-
-// Expected accuracy of the steps; null for explicit ones, whose stiffness depends on the steps.
-Json json_of(const model::Model& model, const build::StepError& error) {
-  if (!model.is_implicit()) return {};
-  return {{"residual", error.residual}, {"slower", error.slower}, {"lost_a_period", error.lost}};
-}
-
-Json json_of(const scene::Scene& scene, const Built& built) {
-  const build::Report& report = built.report;
-  const model::Model& model = built.model;
-  Json layers = Json::array();
-  for (const build::LayerShare& layer : report.layers)
-    layers.push_back({{"name", layer.name},
-                      {"vertices", layer.vertices},
-                      {"volume_m3", layer.volume},
-                      {"volume_share", share_of(layer.volume, report.volume)},
-                      {"mass_kg", layer.mass}});
-  Json probes = Json::array();
-  for (const model::ProbeSet& probe : model.probes)
-    probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
-  const PartNames names = names_of_parts(scene);
-  Json clips = Json::array();
-  for (const rig::Clip& clip : clips_of(scene))
-    clips.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
-  Json characters = Json::array();
-  for (const scene::PlacedCharacter& one : scene.characters) {
-    Json own = Json::array();
-    for (const rig::Clip& clip : one.own.clips)
-      own.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
-    characters.push_back({{"name", one.settings.name},
-                          {"file", one.file.string()},
-                          {"made", one.settings.made},
-                          {"joint", one.settings.joint},
-                          {"at", scene::json_of(one.settings.at)},
-                          {"turn", scene::json_of(one.settings.turn)},
-                          {"rigid", one.settings.rigid},
-                          {"thickness", one.settings.thickness},
-                          {"vertices", one.own.surface.vertices.size()},
-                          {"joints", one.own.skeleton.size()},
-                          {"clips", std::move(own)}});
-  }
-  Json muscles = Json::array();
-  for (const MuscleCount& muscle : count_muscles(scene, model))
-    muscles.push_back({{"name", muscle.name},
-                       {"bone", muscle.bone},
-                       {"bone_length_m", muscle.bone_length},
-                       {"regions", muscle.regions},
-                       {"bulging_regions", muscle.bulging}});
-  Json warnings = Json::array();
-  for (const build::Warning& warning : report.warnings)
-    warnings.push_back({{"text", warning.text}, {"vertices", warning.vertices}});
-  return {{"scene", scene.name},
-          {"source", scene.source},
-          {"vertices", report.vertices},
-          {"tetrahedra", report.tetrahedra},
-          {"surface_vertices", report.surface_vertices},
-          {"surface_triangles", report.surface_triangles},
-          {"joints", model.joint_count},
-          {"one_ring_entries", model.ring.size()},
-          {"longest_one_ring", longest_ring(model)},
-          {"pinned_vertices", report.pinned_vertices},
-          {"volume_m3", report.volume},
-          {"mass_kg", report.mass},
-          {"mean_edge_m", report.mean_edge},
-          {"shortest_edge_m", report.shortest_edge},
-          {"longest_edge_m", report.longest_edge},
-          {"working_unit_m", model.unit},
-          {"weights", model::name_of(model.weight_form)},
-          {"flipped_tetrahedra", report.flipped_tetrahedra},
-          {"riders_outside", report.fill.riders_outside},
-          {"least_barycentric", report.fill.least_barycentric},
-          {"model_from_cache", report.is_kept},
-          {"body_from_cache", report.body_from_cache},
-          {"skin", json_of(report.fill.cage)},
-          {"open_ends", json_of(open_ends_of(report))},
-          {"region_fallbacks", report.region_fallbacks},
-          {"vertex_fallbacks", report.vertex_fallbacks},
-          {"skipped_regions", report.skipped_regions},
-          {"frames", scene::frame_count(scene)},
-          {"fps", scene.fps},
-          {"objects", names.objects},
-          {"materials", names.materials},
-          {"clips", clips},
-          {"characters", characters},
-          {"clip", scene::clip_name(scene)},
-          {"substeps", built.steps.substeps},
-          {"iterations", model.is_implicit() ? Json(built.steps.iterations) : Json()},
-          {"step_error", json_of(model, built.steps.error)},
-          {"solver_bytes", model::solver_bytes(model)},
-          {"skeleton", json_of(report.joints)},
-          {"rigid_parts", json_of(report.rigid_parts)},
-          {"bone_layer",
-           {{"islands_of_shapes", report.bone_islands_before},
-            {"islands", report.bone_islands},
-            {"vertices_added", report.bone_vertices_added}}},
-          {"fibres", json_of(report.fibres)},
-          {"layers", layers},
-          {"muscles", muscles},
-          {"probes", probes},
-          {"warnings", warnings},
-          {"build_seconds", report.seconds}};
-}
 
 // "8 substeps each, of 4 iterations, which leave 2.9 % of a substep's change in the stiffest layer undone"
 std::string steps_text(const model::Model& model, const build::Steps& steps) {
@@ -470,7 +252,7 @@ ExitCode inspect(const InspectArguments& arguments, Log& log) {
   const Built built = build(scene, log, arguments.scene.no_cache);
   if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);
   if (arguments.json) {
-    Json object = json_of(scene, built);
+    Json object = inspect_json(scene, built);
     if (!arguments.model_file.empty()) object["model_file"] = arguments.model_file;
     std::cout << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
     return ExitCode::done;
