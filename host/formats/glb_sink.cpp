@@ -11,11 +11,10 @@
 // not by its inverse transpose: below a joint that is scaled unevenly, they would be wrong without a target.
 //
 // The targets' numbers go into a temporary stream, because the JSON that precedes them in the file is only
-// known at the end. glb_compress.h writes the compressed variant.
+// known at the end. They are sparse (glb_sparse.h) or compressed (glb_compress.h).
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
@@ -27,6 +26,7 @@
 #include "host/formats/formats.h"
 #include "host/formats/glb_compress.h"
 #include "host/formats/glb_document.h"
+#include "host/formats/glb_sparse.h"
 #include "host/formats/glb_targets.h"
 #include "host/formats/gltf_writer.h"
 #include "host/formats/surface.h"
@@ -66,13 +66,6 @@ bool is_stored(const Vector3d& move) {
   return move.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most;
 }
 
-// A part's share of a target: where its numbers are in the stream.
-struct Piece {
-  std::uint32_t count = 0;
-  std::uint64_t indices = 0, positions = 0, normals = 0;
-  std::array<float, 3> least{}, greatest{};
-};
-
 class GlbSink final : public FrameSink {
  public:
   std::string name() const override { return "glb"; }
@@ -93,10 +86,7 @@ class GlbSink final : public FrameSink {
   std::vector<double> stretch() const;
   GlbFrame frame_of(const model::Frame& frame) const;
   void write_target(const GlbFrame& frame);
-  Piece write_part(const gltf::RigPart& part, std::size_t first, const GlbFrame& frame);
   void add_targets(json& document, const std::vector<std::size_t>& meshes);
-  json targets_of(std::size_t part, std::size_t first_accessor) const;
-  std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
 
   BakeInfo info_;
   double tolerance_ = 0.0;
@@ -105,9 +95,9 @@ class GlbSink final : public FrameSink {
   gltf::Rig rig_;
   std::optional<SurfaceNormals> normals_;
   std::optional<GlbTargetChoice> choice_;
-  std::optional<GlbCompression> compression_;
-  std::vector<std::uint64_t> targets_;  // their frame numbers
-  std::vector<Piece> pieces_;           // for all parts, target by target
+  GlbSparseTargets sparse_{rig_};
+  std::optional<GlbCompression> compression_;  // of the targets; none: they are sparse
+  std::vector<std::uint64_t> targets_;         // their frame numbers
   std::optional<base::SpoolFile> stream_;
   std::uint64_t stream_bytes_ = 0;
 };
@@ -268,74 +258,9 @@ void GlbSink::write_target(const GlbFrame& frame) {
                           " morph targets; give a larger --glb-stride or --glb-error");
   require_listable(targets_.size() + 1);
   targets_.push_back(frame.index);
-  if (compression_) {
-    const std::string bytes = compression_->target(frame);
-    stream_->write(bytes);
-    stream_bytes_ += bytes.size();
-    return;
-  }
-  std::size_t first = 0;
-  for (const gltf::RigPart& part : rig_.parts) {
-    pieces_.push_back(write_part(part, first, frame));
-    first += part.positions.size();
-  }
-}
-
-Piece GlbSink::write_part(const gltf::RigPart& part, std::size_t first, const GlbFrame& frame) {
-  std::vector<std::uint32_t> indices;
-  std::vector<float> moves, turns;
-  const std::size_t count = part.positions.size();
-  const bool has_normals = !part.normals.empty();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t v = 3 * (first + i);
-    const bool moved = frame.moved[first + i] != 0;
-    const bool is_turned = frame.turns[v] != 0.0f || frame.turns[v + 1] != 0.0f || frame.turns[v + 2] != 0.0f;
-    // A sparse accessor must replace at least one element.
-    const bool last_chance = i + 1 == count && indices.empty();
-    if (!moved && !is_turned && !last_chance) continue;
-    indices.push_back(static_cast<std::uint32_t>(i));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      moves.push_back(moved ? frame.moves[v + axis] : 0.0f);
-      turns.push_back(frame.turns[v + axis]);
-    }
-  }
-  Piece piece{.count = static_cast<std::uint32_t>(indices.size())};
-  const std::array<float, 6> box = bounds(moves);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Vertices that are not in the target move by 0.
-    const bool all = indices.size() == count;
-    piece.least[axis] = all ? box[axis] : std::min(box[axis], 0.0f);
-    piece.greatest[axis] = all ? box[3 + axis] : std::max(box[3 + axis], 0.0f);
-  }
-  std::string bytes;
-  base::append_array(bytes, std::span<const std::uint32_t>(indices));
-  base::append_array(bytes, std::span<const float>(moves));
-  if (has_normals) base::append_array(bytes, std::span<const float>(turns));
-  piece.indices = stream_bytes_;
-  piece.positions = piece.indices + indices.size() * sizeof(std::uint32_t);
-  piece.normals = piece.positions + moves.size() * sizeof(float);
+  const std::string bytes = compression_ ? compression_->target(frame) : sparse_.target(frame);
   stream_->write(bytes);
   stream_bytes_ += bytes.size();
-  return piece;
-}
-
-// The targets' accessors start at `first_accessor`: POSITION and NORMAL (if the part has one) for each part,
-// target by target.
-json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
-  if (compression_) return compression_->targets_of(part, first_accessor);
-  std::size_t step = 0, before = 0;
-  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
-    if (p == part) before = step;
-    step += rig_.parts[p].normals.empty() ? 1 : 2;
-  }
-  json list = json::array();
-  for (std::size_t k = 0; k < targets_.size(); ++k) {
-    const std::size_t number = first_accessor + k * step + before;
-    json target{{"POSITION", number}};
-    if (!rig_.parts[part].normals.empty()) target["NORMAL"] = number + 1;
-    list.push_back(std::move(target));
-  }
-  return list;
 }
 
 // Adds the targets to the primitives, and their weights to the animation.
@@ -377,6 +302,7 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
   json names = json::array();
   for (const std::uint64_t frame : targets_)
     names.push_back("frame " + base::number_text(info_.first_number + frame));
+  const std::size_t first = accessors.size();
   std::optional<std::uint32_t> node;
   for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
     const gltf::RigPart& part = rig_.parts[p];
@@ -390,39 +316,9 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
       animation["channels"].push_back(
           {{"sampler", sampler}, {"target", {{"node", part.node}, {"path", "weights"}}}});
     }
-    shown["primitives"][part.primitive]["targets"] = targets_of(p, accessors.size());
+    shown["primitives"][part.primitive]["targets"] =
+        compression_ ? compression_->targets_of(p, first) : sparse_.targets_of(p, first);
   }
-}
-
-// The accessors of all targets as JSON text, each preceded by a comma.
-std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes,
-                                      json& document) const {
-  // Two views of the same bytes: one for indices, one for values.
-  json& views = document["bufferViews"];
-  const std::size_t view = views.size();
-  for (int copy = 0; copy < 2; ++copy)
-    views.push_back({{"buffer", 0}, {"byteOffset", frames_at}, {"byteLength", frames_bytes}});
-  const auto triple = [](const std::array<float, 3>& v) {
-    return '[' + base::number_text(v[0]) + ',' + base::number_text(v[1]) + ',' + base::number_text(v[2]) +
-           ']';
-  };
-  std::string text;
-  for (std::size_t k = 0; k < pieces_.size(); ++k) {
-    const Piece& piece = pieces_[k];
-    const gltf::RigPart& part = rig_.parts[k % rig_.parts.size()];
-    const auto add = [&](std::uint64_t values, const std::string& bounds_text) {
-      text +=
-          ",{\"componentType\":5126,\"count\":" + base::number_text(std::uint64_t{part.positions.size()}) +
-          ",\"type\":\"VEC3\"" + bounds_text + ",\"sparse\":{\"count\":" + base::number_text(piece.count) +
-          ",\"indices\":{\"bufferView\":" + base::number_text(std::uint64_t{view}) +
-          ",\"byteOffset\":" + base::number_text(piece.indices) +
-          ",\"componentType\":5125},\"values\":{\"bufferView\":" +
-          base::number_text(std::uint64_t{view} + 1) + ",\"byteOffset\":" + base::number_text(values) + "}}}";
-    };
-    add(piece.positions, ",\"min\":" + triple(piece.least) + ",\"max\":" + triple(piece.greatest));
-    if (!part.normals.empty()) add(piece.normals, "");
-  }
-  return text;
 }
 
 void GlbSink::finish() {
@@ -443,7 +339,7 @@ void GlbSink::finish() {
     targets = compression_->accessors(document["bufferViews"].size());
     compression_->pack(document_, stream_bytes_);
   } else {
-    targets = target_accessors(binary.size(), stream_bytes_, document);
+    targets = sparse_.accessors(document, binary.size());
     document["buffers"] = json::array({{{"byteLength", binary.size() + stream_bytes_}}});
   }
   require_finite(document);
