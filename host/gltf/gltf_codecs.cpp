@@ -63,6 +63,12 @@ bool fill(const draco::PointAttribute& attribute, draco::PointIndex point, std::
   return true;
 }
 
+// Of glTF's types, and signed 32 bits. A byte of a bool is any byte of the file, which C++ may not read as
+// one.
+bool is_readable(draco::DataType type) {
+  return (type >= draco::DT_INT8 && type <= draco::DT_UINT32) || type == draco::DT_FLOAT32;
+}
+
 std::size_t component_bytes(std::uint64_t component) {
   return component == 5120 || component == 5121 ? 1 : component == 5122 || component == 5123 ? 2 : 4;
 }
@@ -116,6 +122,9 @@ DracoMesh decode_draco(std::span<const unsigned char> stream, std::uint64_t vert
       const draco::PointAttribute* source = mesh->GetAttributeByUniqueId(attribute.id);
       if (source == nullptr)
         throw CodecError("the compressed mesh has no attribute " + std::to_string(attribute.id));
+      if (!is_readable(source->data_type()))
+        throw CodecError("attribute " + std::to_string(attribute.id) +
+                         " of the compressed mesh has a type that glTF lacks; export without compression");
       const std::size_t step =
           component_bytes(attribute.component) * static_cast<std::size_t>(attribute.components);
       std::vector<unsigned char> bytes(step * static_cast<std::size_t>(vertices));

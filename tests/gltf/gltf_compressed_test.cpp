@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <draco/compression/config/compression_shared.h>
+#include <draco/core/draco_types.h>
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
@@ -232,6 +233,21 @@ TEST(CompressedLies, are_refused) {
   draco_lie(draco, [&](json& d) { extension(d)["bufferView"] = 0; });
   draco_lie(draco, [&](json& d) { extension(d)["attributes"]["POSITION"] = 9; });
   draco_lie(draco + "/attributes/NORMAL", [&](json& d) { extension(d)["attributes"]["NORMAL"] = 0; });
+}
+
+// Draco's own reader takes any byte for a bool, which is undefined behaviour.
+TEST(CompressedLies, a_draco_attribute_of_a_type_that_gltf_lacks_is_refused) {
+  const GltfBuilder good = with_draco(draco::MESH_EDGEBREAKER_ENCODING);
+  // The weights: a generic attribute (4) of floats (9), 4 components, not normalized, unique id 2.
+  const std::array<unsigned char, 5> weights{4, 9, 4, 0, 2};
+  const auto at = std::search(good.bytes.begin(), good.bytes.end(), weights.begin(), weights.end());
+  ASSERT_NE(at, good.bytes.end());
+  for (const draco::DataType type : {draco::DT_BOOL, draco::DT_FLOAT64, draco::DT_INT64}) {
+    GltfBuilder bad = good;
+    bad.bytes[static_cast<std::size_t>(at - good.bytes.begin()) + 1] = static_cast<unsigned char>(type);
+    SCOPED_TRACE(static_cast<int>(type));
+    expect_refused(bad.with_data_uri(), std::string("/meshes/0/primitives/0/extensions/") + draco_name);
+  }
 }
 
 TEST(CompressedLies, a_damaged_meshopt_stream_is_read_or_refused) {
