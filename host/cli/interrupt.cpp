@@ -10,26 +10,29 @@
 namespace fascicle::cli {
 namespace {
 
-constexpr std::array numbers{SIGINT, SIGTERM};
+constexpr std::array stop_signals{SIGINT, SIGTERM};
 
 // The only global state of the process, because a signal handler takes no argument of ours.
-std::atomic<bool> interrupted{false}, has_begun{true};
-std::atomic<int> first_number{0};
+struct SignalState {
+  std::atomic<bool> interrupted{false}, has_begun{true};
+  std::atomic<int> first_number{0};  // of the signal; 0: none came
+};
+SignalState signal_state;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may only touch lock-free atomics");
 
 void on_signal(int number) {
-  if (!has_begun) ::_exit(static_cast<int>(ExitCode::interrupted));
-  interrupted = true;
+  if (!signal_state.has_begun) ::_exit(static_cast<int>(ExitCode::interrupted));
+  signal_state.interrupted = true;
   // After a hangup, which may come first, the program is still given time to end.
-  if (first_number.exchange(number) != 0) {
+  if (signal_state.first_number.exchange(number) != 0) {
     ::signal(number, SIG_DFL);
     ::raise(number);
   }
 }
 
 void on_hangup(int) {
-  interrupted = true;
+  signal_state.interrupted = true;
 }
 
 void handle(int number, void (*handler)(int)) {
@@ -54,7 +57,7 @@ void handle(int number, void (*handler)(int)) {
 void catch_interrupts() {
   // A parent that ignores the ends of its children passes that on; the ends of ours would then never be seen.
   ::signal(SIGCHLD, SIG_DFL);
-  for (const int number : numbers) handle(number, on_signal);
+  for (const int number : stop_signals) handle(number, on_signal);
 }
 
 void catch_hangups() {
@@ -62,21 +65,21 @@ void catch_hangups() {
 }
 
 const std::atomic<bool>& interrupts() {
-  has_begun = true;
-  return interrupted;
+  signal_state.has_begun = true;
+  return signal_state.interrupted;
 }
 
 void end_at_once_until_asked() {
-  has_begun = false;
+  signal_state.has_begun = false;
 }
 
 void let_interrupts_end_the_process() {
-  for (const int number : numbers) {
+  for (const int number : stop_signals) {
     struct sigaction before {};
     if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler == on_signal)
       ::signal(number, SIG_DFL);
   }
-  if (const int number = first_number; number != 0) ::raise(number);
+  if (const int number = signal_state.first_number; number != 0) ::raise(number);
 }
 
 }  // namespace fascicle::cli
