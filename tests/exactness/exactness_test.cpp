@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,13 @@ bool soaks() {
 int frames_or(int usual) {
   const char* text = std::getenv("FASCICLE_EXACTNESS_FRAMES");
   return text ? std::atoi(text) : usual;
+}
+
+// For one width of lavapipe's vectors, in bits. Mesa's cache of compiled shaders does not tell widths apart:
+// of two that share it, the second gets the first one's code.
+std::string lavapipe_of(int width, const fs::path& cache) {
+  const std::string bits = std::to_string(width);
+  return "LP_NATIVE_VECTOR_WIDTH=" + bits + " MESA_SHADER_CACHE_DIR='" + cache.string() + "-" + bits + "'";
 }
 
 // A temporary folder, removed when the test ends.
@@ -107,10 +115,10 @@ class Runs {
                 "frame_hashes", {"cpu:2"});
   }
   void all_vulkan() const {
-    expect_same("Vulkan, 128-bit lavapipe", kept_model() + " LP_NATIVE_VECTOR_WIDTH=128", "frame_hashes",
-                {"vulkan:0"});
-    expect_same("Vulkan, 256-bit lavapipe", kept_model() + " LP_NATIVE_VECTOR_WIDTH=256", "frame_hashes",
-                {"vulkan:0"});
+    const fs::path cache = fs::path(FASCICLE_BINARY_DIR) / "tests/exactness/shaders";
+    for (const int width : {128, 256})
+      expect_same("Vulkan, lavapipe of " + std::to_string(width) + " bits",
+                  kept_model() + " " + lavapipe_of(width, cache), "frame_hashes", {"vulkan:0"});
   }
 
   // The first of `frames` lines in which two outputs differ; empty if none does.
@@ -262,8 +270,37 @@ TEST(ExactnessControl, ContractionIsSeen) {
   if (run("grep -qw fma /proc/cpuinfo").status != 0)
     GTEST_SKIP() << "SKIPPED: this CPU has no fused multiply-add, contraction cannot be planted";
   const Runs runs("bar-hang-along", 60);
-  const std::string contracted = runs.hashes("", "frame_hashes_contracted", {"cpu:1"}, 60).at(0);
+  const std::string contracted = runs.hashes("", "frame_hashes_contracted", {"cpu:1:scalar"}, 60).at(0);
   EXPECT_NE(Runs::first_difference(runs.reference(), contracted, 60), "");
+}
+
+// Path below a cache of shaders -> bytes. Its index says when a file was used.
+std::map<std::string, std::string> shaders_in(const fs::path& cache) {
+  std::map<std::string, std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(cache)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "index") continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    std::stringstream bytes;
+    bytes << in.rdbuf();
+    found[entry.path().lexically_relative(cache).string()] = bytes.str();
+  }
+  return found;
+}
+
+// The control of the widths: each compiles the shaders itself, to other code.
+TEST(ExactnessControl, WidthsOfLavapipeRunCodeOfTheirOwn) {
+  FASCICLE_NEEDS_VULKAN();
+  const Folder folder;
+  const fs::path cache = folder.path() / "shaders";
+  for (const int width : {128, 256}) {
+    const Output output =
+        run(lavapipe_of(width, cache) + " " + FASCICLE_BINARY_DIR + "/frame_hashes bar-hang-none 1 vulkan:0");
+    ASSERT_EQ(output.status, 0) << output.text;
+  }
+  const auto narrow = shaders_in(cache.string() + "-128"), wide = shaders_in(cache.string() + "-256");
+  ASSERT_FALSE(narrow.empty()) << "lavapipe kept no shaders";
+  for (const auto& [name, bytes] : narrow)
+    EXPECT_TRUE(!wide.count(name) || wide.at(name) != bytes) << name << " is the same at both widths";
 }
 
 }  // namespace
