@@ -153,7 +153,9 @@ TEST(ExactnessFlavours, KernelObjectsHoldNoFusedMultiplyAdd) {
         EXPECT_EQ(fused_instructions(object), 0) << object;
       }
     }
-    // The control: the same source compiled with contraction.
+    // The control: the same source compiled with contraction; of the lanes, which share a text, those of
+    // AVX2.
+    if (source.find("/lane_stages_") != std::string::npos && !ends_with(source, "_avx2.cpp")) continue;
     const std::vector<std::string> contracted = objects_of(source, FASCICLE_CONTRACTED_OBJECTS);
     ASSERT_EQ(contracted.size(), 1u) << source;
     EXPECT_TRUE(!cpu_has_fma() || fused_instructions(contracted[0]) > 0) << "the grep finds nothing at all";
