@@ -14,7 +14,8 @@ namespace fascicle::build {
 bool runs_inside(const SkinInside& skin, const scene::Vector3d& from, const scene::Vector3d& to);
 
 // The tip of a bone that ends a chain: from its start into its joint's skin, as far as most of that reaches.
-// Lengths are metres. `begin` itself if the skin's middle is not farther from it than `shortest`.
+// The joint, or one below it, must move skin. Lengths are metres. `begin` itself if the skin's middle is not
+// farther from it than `shortest`.
 scene::Vector3d tip_of_chain(const mesh::SurfaceMesh& surface, const SkinOfJoints& skin, std::size_t joint,
                              const scene::Vector3d& begin, double shortest);
 

@@ -20,8 +20,8 @@ struct JointDecision {
 // area, what a bone moves at least.
 std::string reason_of(const JointReport& joint, const JointDecision& decision, double least_share);
 
-// For a skin that follows the skeleton by this share of its area because its joints are too small for bones.
-// `roots`: names of the skeleton's roots above them, in quotes.
+// The warning that `share` (0 to 1) of the skin's area follows the skeleton, because its joints are too small
+// for bones. `roots`: names of the skeleton's roots above them, in quotes.
 std::string small_joints_warning(double share, double least_share, const std::set<std::string>& roots);
 
 }  // namespace fascicle::build

@@ -19,8 +19,8 @@ std::size_t longest_ring(const model::Model& model);
 // A muscle of the scene, as built.
 struct MuscleCount {
   std::string name, bone;
-  double bone_length = 0.0;  // m
-  std::size_t regions = 0, bulging = 0;
+  double bone_length = 0.0;              // m
+  std::size_t regions = 0, bulging = 0;  // regions that it acts on, and those of them that bulge
 };
 
 // One per muscle; none without a character.

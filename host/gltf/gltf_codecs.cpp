@@ -63,8 +63,8 @@ bool fill(const draco::PointAttribute& attribute, draco::PointIndex point, std::
   return true;
 }
 
-// Of glTF's types, and signed 32 bits. A byte of a bool is any byte of the file, which C++ may not read as
-// one.
+// Whether glTF has the type; signed 32 bits are read as well. Draco would read any byte of the file as a
+// bool, which is undefined.
 bool is_readable(draco::DataType type) {
   return (type >= draco::DT_INT8 && type <= draco::DT_UINT32) || type == draco::DT_FLOAT32;
 }

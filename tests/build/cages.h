@@ -65,6 +65,7 @@ inline double least_at_home(const Filled& filled) {
   return least;
 }
 
+// Connected parts of the mesh; vertices without a tetrahedron count.
 inline std::size_t parts_of(const mesh::TetMesh& mesh) {
   build::Unions unions(mesh.vertices.size());
   for (const auto& t : mesh.tetrahedra)

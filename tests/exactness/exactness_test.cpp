@@ -42,11 +42,14 @@ int frames_or(int usual) {
   return text ? std::atoi(text) : usual;
 }
 
-// For one width of lavapipe's vectors, in bits. Mesa's cache of compiled shaders does not tell widths apart:
-// of two that share it, the second gets the first one's code.
+// The environment for one width of lavapipe's vectors, in bits. Mesa's cache of compiled shaders does not
+// tell widths apart: of two that share it, the second gets the first one's code. So the cache of each is a
+// folder of its own, with a file for each shader.
 std::string lavapipe_of(int width, const fs::path& cache) {
   const std::string bits = std::to_string(width);
-  return "LP_NATIVE_VECTOR_WIDTH=" + bits + " MESA_SHADER_CACHE_DIR='" + cache.string() + "-" + bits + "'";
+  return "LP_NATIVE_VECTOR_WIDTH=" + bits +
+         " MESA_DISK_CACHE_DATABASE=0 MESA_DISK_CACHE_SINGLE_FILE=0 MESA_SHADER_CACHE_DIR='" +
+         cache.string() + "-" + bits + "'";
 }
 
 // A temporary folder, removed when the test ends.
@@ -270,13 +273,18 @@ TEST(ExactnessControl, ContractionIsSeen) {
   if (run("grep -qw fma /proc/cpuinfo").status != 0)
     GTEST_SKIP() << "SKIPPED: this CPU has no fused multiply-add, contraction cannot be planted";
   const Runs runs("bar-hang-along", 60);
-  const std::string contracted = runs.hashes("", "frame_hashes_contracted", {"cpu:1:scalar"}, 60).at(0);
-  EXPECT_NE(Runs::first_difference(runs.reference(), contracted, 60), "");
+  std::vector<std::string> devices{"cpu:1:scalar"};
+  for (const cpu_reference::Simd level : cpu_reference::available_simd())
+    if (std::string(name_of(level)) == "avx2") devices.emplace_back("cpu:1:avx2");
+  const std::vector<std::string> contracted = runs.hashes("", "frame_hashes_contracted", devices, 60);
+  for (std::size_t i = 0; i < devices.size(); ++i)
+    EXPECT_NE(Runs::first_difference(runs.reference(), contracted.at(i), 60), "") << devices[i];
 }
 
 // Path below a cache of shaders -> bytes. Its index says when a file was used.
 std::map<std::string, std::string> shaders_in(const fs::path& cache) {
   std::map<std::string, std::string> found;
+  if (!fs::exists(cache)) return found;
   for (const auto& entry : fs::recursive_directory_iterator(cache)) {
     if (!entry.is_regular_file() || entry.path().filename() == "index") continue;
     std::ifstream in(entry.path(), std::ios::binary);
@@ -290,6 +298,8 @@ std::map<std::string, std::string> shaders_in(const fs::path& cache) {
 // The control of the widths: each compiles the shaders itself, to other code.
 TEST(ExactnessControl, WidthsOfLavapipeRunCodeOfTheirOwn) {
   FASCICLE_NEEDS_VULKAN();
+  if (run(std::string(FASCICLE_BINARY_DIR) + "/fascicle devices | grep -q 'vulkan:0.*llvmpipe'").status != 0)
+    GTEST_SKIP() << "SKIPPED: the first Vulkan device is not lavapipe, and has no width of its own";
   const Folder folder;
   const fs::path cache = folder.path() / "shaders";
   for (const int width : {128, 256}) {
@@ -298,7 +308,7 @@ TEST(ExactnessControl, WidthsOfLavapipeRunCodeOfTheirOwn) {
     ASSERT_EQ(output.status, 0) << output.text;
   }
   const auto narrow = shaders_in(cache.string() + "-128"), wide = shaders_in(cache.string() + "-256");
-  ASSERT_FALSE(narrow.empty()) << "lavapipe kept no shaders";
+  ASSERT_FALSE(narrow.empty() || wide.empty()) << "lavapipe kept no shaders";
   for (const auto& [name, bytes] : narrow)
     EXPECT_TRUE(!wide.count(name) || wide.at(name) != bytes) << name << " is the same at both widths";
 }

@@ -26,11 +26,14 @@ struct Post {
   Keys shapes = {};        // per cent of a blend shape that moves the plate's last vertex by 10 cm
 };
 
+// A property of three numbers, as FBX's text form has it.
 std::string property(const std::string& name, double x, double y, double z);
 // Properties of a clip that lasts from `start` to `stop`, s.
 std::string span(double start, double stop);
+// The post as FBX in text form.
 std::string fbx_of(const Post& post);
 
+// The identity, as Collada writes a matrix.
 inline const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
 
 // A plate skinned to one joint below a node, as Blender would write it. The clip holds it still for 2 s.
@@ -39,10 +42,12 @@ std::string dae_of(const std::string& top, const std::string& joint);
 // Replaces the first `part`; fails the test if there is none.
 void replace(std::string& text, const std::string& part, const std::string& by);
 
+// The bytes of a file.
 std::string text_of(const std::filesystem::path& path);
 
 bool has_joint(const rig::Character& character, const std::string& name);
 
+// The skin's vertices, m, at a time of the clip, s; in the bind pose without a clip.
 std::vector<Eigen::Vector3d> skinned(const rig::Character& character, const rig::Clip* clip, double time);
 
 // The largest distance of a point to the nearest point of the other set: vertex orders and seams differ.

@@ -27,6 +27,7 @@ inline void expect_refused(const std::filesystem::path& path, const std::string&
   }
 }
 
+// The first primitive of the first mesh.
 inline nlohmann::json& primitive(GltfBuilder& b) {
   return b.document["meshes"][0]["primitives"][0];
 }

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "host/scene/scene_file.h"
+#include "host/scene/scene.h"
 #include "tests/scene/scene_keys.h"
 #include "tests/scene/scene_samples.h"
 #include "tests/support/assets.h"

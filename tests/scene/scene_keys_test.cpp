@@ -18,7 +18,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/scene/scene_file.h"
+#include "host/scene/scene.h"
 #include "tests/scene/scene_samples.h"
 #include "tests/support/assets.h"
 
