@@ -298,10 +298,10 @@ TEST_P(LyingGltf, is_refused_as_text_and_as_binary) {
   const TemporaryFolder folder;
   {
     SCOPED_TRACE("gltf");
-    expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), GetParam().place);
+    expect_file_refused(folder.write("lie.gltf", b.with_data_uri().dump()), GetParam().place);
   }
   SCOPED_TRACE("glb");
-  expect_refused(folder.write("lie.glb", b.glb()), GetParam().place);
+  expect_file_refused(folder.write("lie.glb", b.glb()), GetParam().place);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LyingGltf, testing::ValuesIn(lies()),

@@ -55,8 +55,8 @@ TEST(LyingCounts, many_uses_of_one_accessor) {
   primitives.push_back(primitives[0]);
   primitives[1]["attributes"]["POSITION"] = b.document["accessors"].size() - 1;
   const TemporaryFolder folder;
-  expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()),
-                 "/meshes/0/primitives/1/attributes/POSITION");
+  expect_file_refused(folder.write("lie.gltf", b.with_data_uri().dump()),
+                      "/meshes/0/primitives/1/attributes/POSITION");
 }
 
 // Accessors without bytes are read as zeros: up to a fixed count for any file, or more in a large file,
@@ -70,10 +70,10 @@ TEST(LyingCounts, elements_without_bytes) {
     if (bytes > 0) b.add_view(std::vector<std::uint8_t>(bytes));
     return folder.write(name, b.glb());
   };
-  expect_refused(file("small.glb", "SCALAR", 0), "/accessors/8/count");
+  expect_file_refused(file("small.glb", "SCALAR", 0), "/accessors/8/count");
   EXPECT_NO_THROW(gltf::read_gltf(file("large.glb", "SCALAR", count / 16)));
   // Three numbers per element.
-  expect_refused(file("wide.glb", "VEC3", count / 16), "/accessors/8/count");
+  expect_file_refused(file("wide.glb", "VEC3", count / 16), "/accessors/8/count");
 }
 
 TEST(LyingCounts, many_uses_of_one_target) {
@@ -91,7 +91,7 @@ TEST(LyingCounts, many_uses_of_one_target) {
   primitive["targets"] = json::array();
   for (int k = 0; k < 600; ++k) primitive["targets"].push_back({{"POSITION", 8}});
   const TemporaryFolder folder;
-  expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), "/meshes/0/primitives/0/targets");
+  expect_file_refused(folder.write("lie.gltf", b.with_data_uri().dump()), "/meshes/0/primitives/0/targets");
 }
 
 class LyingUri : public testing::TestWithParam<const char*> {};
@@ -112,7 +112,7 @@ TEST_P(LyingUri, is_refused) {
   json document = b.document;
   document["buffers"] = {{{"byteLength", b.bytes.size()}, {"uri", uri}}};
   const std::filesystem::path file = folder.write("inner/lie.gltf", document.dump());
-  expect_refused(file, uri == "short.bin" ? "/buffers/0/byteLength" : "/buffers/0/uri");
+  expect_file_refused(file, uri == "short.bin" ? "/buffers/0/byteLength" : "/buffers/0/uri");
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -131,9 +131,9 @@ TEST(LyingData, a_data_uri_shorter_than_it_says) {
   json document = b.with_data_uri();
   document["buffers"][0]["byteLength"] = b.bytes.size() + 1;
   const TemporaryFolder folder;
-  expect_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
+  expect_file_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
   document["buffers"][0]["byteLength"] = 4000000000u;
-  expect_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
+  expect_file_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
 }
 
 TEST(LyingData, a_link_inside_the_folder_is_followed) {
@@ -158,7 +158,7 @@ TEST(LyingGlb, chunks) {
     SCOPED_TRACE(what);
     std::vector<unsigned char> bad = good;
     lie(bad);
-    expect_refused(folder.write("lie.glb", bad), place);
+    expect_file_refused(folder.write("lie.glb", bad), place);
   };
   refuse("total longer than the file", "byte 8", [](auto& b) { put(b, 8, 0xffffffffu); });
   refuse("total shorter than the file", "byte 8",

@@ -14,7 +14,7 @@
 namespace fascicle::tests {
 
 // Expects a message of one line that begins with the file and names the place.
-inline void expect_refused(const std::filesystem::path& path, const std::string& place) {
+inline void expect_file_refused(const std::filesystem::path& path, const std::string& place) {
   try {
     gltf::read_gltf(path);
     ADD_FAILURE() << "was read";
