@@ -26,6 +26,9 @@ struct Experiments {
   AlterModule alter_module = {};
   // Limits work further than the pace and the device do.
   SubmissionLimits limits = {};
+  // Keeps the first guess of the pace, so that submissions end at the same places however busy the machine
+  // is.
+  bool keep_pace = false;
   // Called with each submission's slices, with each dispatch's workgroups, and once for each new frame slot.
   std::function<void(std::uint64_t slices)> on_submission = {};
   std::function<void(std::uint32_t groups)> on_dispatch = {};

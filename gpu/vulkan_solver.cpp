@@ -53,6 +53,7 @@ class VulkanSolver : public model::Solver {
             experiments.tuning.value_or(tuning_for(device_.info())), experiments.alter_module),
         buffers_(device_, model),
         pace_(device.info().software),
+        keep_pace_(experiments.keep_pace),
         options_(options),
         plan_(substep_plan(model, options, false)),
         probed_plan_(substep_plan(model, options, true)) {
@@ -189,7 +190,9 @@ class VulkanSolver : public model::Solver {
   // Waits for the oldest frame in flight and keeps it for collect().
   void finish_oldest() {
     FrameSlot* slot = pending_.front();
-    done_.push_back(slot->finish(pace_));
+    SubmissionPace pace = pace_;
+    done_.push_back(slot->finish(pace));
+    if (!keep_pace_) pace_ = pace;
     pending_.erase(pending_.begin());
     free_.push_back(slot);
   }
@@ -322,6 +325,7 @@ class VulkanSolver : public model::Solver {
   StageKernels kernels_;
   ModelBuffers buffers_;
   SubmissionPace pace_;
+  bool keep_pace_;
   model::SolverOptions options_;
   model::SubstepPlan plan_, probed_plan_;
   model::ImplicitTables tables_;  // implicit: tables for the step length last used
