@@ -21,6 +21,12 @@ export async function open_page(browser, options = {}) {
   return { page, said, asked };
 }
 
+// Takes the message away that lies on the picture and would leave by itself after some seconds.
+export async function clear_toast(page) {
+  await page.evaluate(() => (document.getElementById("toast").hidden = true));
+  await drawn(page);
+}
+
 // Once what was asked for is drawn.
 export function drawn(page) {
   return page.evaluate(

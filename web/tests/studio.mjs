@@ -4,7 +4,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import { drawn, open_browser, open_page } from "./browser.mjs";
+import { clear_toast, drawn, open_browser, open_page } from "./browser.mjs";
 import { pixels_of } from "./png.mjs";
 import { start_studio } from "./studio_program.mjs";
 
@@ -55,7 +55,7 @@ async function recorded_bottom(name) {
   const hash = await state("recorded");
   await page.waitForFunction((of) => document.documentElement.dataset.hash === of, hash, { timeout: 30000 });
   await drawn(page);
-  await page.waitForFunction(() => document.getElementById("toast").hidden); // it lies on the picture
+  await clear_toast(page);
   await page.waitForTimeout(1200); // a picture in software takes its time
   const box = await page.locator("#picture").boundingBox();
   const image = pixels_of(await page.screenshot({ clip: box, path: join(folder, `${name}.png`) }));
