@@ -92,7 +92,7 @@ TEST(FrameWriter, DropsWhatWaitsWhenItGoes) {
   writer->put(numbered(1));
   std::thread end([&] { writer.reset(); });
   // Long enough for the destructor to tell the thread to stop; otherwise frame 1 would be written too.
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
   may_write = true;
   may_write.notify_all();
   end.join();

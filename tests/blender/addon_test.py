@@ -222,7 +222,7 @@ class Window(WithBlender):
         return self.check(name, self.arm, before=("xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender"), **said)
 
     def test_an_undo_during_a_bake_does_not_end_it(self):
-        found = self.check_in_window("undo_in_window", first=14, last=60)
+        found = self.check_in_window("undo_in_window", first=14, last=160)
         self.assertEqual(found, {"while_at_work": True, "undone": True, "flesh": 1})
 
     def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):

@@ -292,11 +292,16 @@ TEST(Bake, InterruptedAndResumedIsAsIfNeverStopped) {
   };
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::string name = std::to_string(signal);
-    Program program(arguments(name, false));
-    ASSERT_TRUE(
-        wait_until(program, [&] { return std::filesystem::exists(folder.path() / name / "manifest.json"); }));
-    program.send(signal);
-    const Outcome stopped = program.wait();
+    Outcome stopped;
+    int tries = 0;
+    do {
+      std::filesystem::remove_all(folder.path() / name);
+      Program program(arguments(name, false));
+      wait_until(program, [&] { return std::filesystem::exists(folder.path() / name / "manifest.json"); });
+      program.send(signal);
+      stopped = program.wait();
+      // If this test has to wait for a processor, the bake may end before the signal.
+    } while (stopped.status == 0 && ++tries < 10);
     ASSERT_EQ(stopped.status, 75) << stopped.err;
     EXPECT_EQ(stopped.out, "");
     EXPECT_TRUE(contains(stopped.err, "--resume")) << stopped.err;

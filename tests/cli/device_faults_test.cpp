@@ -1,4 +1,5 @@
 // If any call of a device fails, completed work is kept, and the next device continues with the same bits.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -57,11 +58,16 @@ class DeviceFaults : public testing::Test {
     NEEDS_VULKAN();
     const Outcome plain = fascicle(bake(folder / "plain", "cpu"));
     ASSERT_EQ(plain.status, 0) << plain.err;
-    // The layer without a fault changes nothing and reports the number of calls.
-    const Outcome counted = fascicle(bake(folder / "counted", "vulkan:0"), layer("0 0", folder / "count"));
-    ASSERT_EQ(counted.status, 0) << counted.err;
-    expect_same("counted");
-    std::ifstream(folder / "count") >> calls;
+    // The layer without a fault changes nothing and reports the number of calls. A device that has to wait
+    // for a processor gets more submissions; the smaller of two numbers is reached by other runs too.
+    for (const char* name : {"counted", "counted-again"}) {
+      const Outcome counted = fascicle(bake(folder / name, "vulkan:0"), layer("0 0", folder / "count"));
+      ASSERT_EQ(counted.status, 0) << counted.err;
+      expect_same(name);
+      long found = 0;
+      std::ifstream(folder / "count") >> found;
+      calls = calls == 0 ? found : std::min(calls, found);
+    }
     ASSERT_GT(calls, 60) << "the layer is not loaded";
   }
 

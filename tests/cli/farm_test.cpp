@@ -129,7 +129,7 @@ TEST(BatchFarm, ATaskWithoutJobsBakesNothing) {
 // Slurm's warning goes only to the script's shell, which waits for the bake to end and requeues the task by
 // its array name, as its own number may be that of the whole array.
 TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
-  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=60\"]\n");
+  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=300\"]\n");
   ASSERT_EQ(emit(farm, {"--threads", "1"}).status, 0);
   const std::string warn_at_work = "&\nuntil [ -e " + quoted(farm.output() + "/bar/manifest.json") +
                                    " ]; do sleep 0.05; done\n" + "kill -TERM $!; wait $!\n";
@@ -146,7 +146,7 @@ TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
   EXPECT_FALSE(fs::exists(farm.home / "asked"));
   // Undisturbed it finishes, with the same bytes as a separate bake.
   EXPECT_EQ(run_task(farm, "RUNNING", "\n"), 0) << read_text(farm.home / "log");
-  ASSERT_EQ(fascicle({"bake", "bar-hang-none", "--set=scene.end=60", "--device", "cpu", "-o",
+  ASSERT_EQ(fascicle({"bake", "bar-hang-none", "--set=scene.end=300", "--device", "cpu", "-o",
                       farm.folder / "alone"})
                 .status,
             0);

@@ -367,7 +367,7 @@ TEST(OpenJd, ACanceledTaskGoesOn) {
   const TemporaryFolder folder;
   const std::string list = list_of_bars(folder.path());
   std::string text = read_text(list);
-  text.replace(text.find("0.2"), 3, "60");
+  text.replace(text.find("0.2"), 3, "300");
   write_text(list, text);
   const std::vector<std::string> command{"batch", list,       "--job",        "bar-0.4", "--threads",
                                          "1",     "--resume", "--log-format", "openjd"};

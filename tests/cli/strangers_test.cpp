@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 // Killed after some seconds; then `signal` is SIGKILL.
 Outcome within_seconds(const std::vector<std::string>& arguments) {
-  constexpr std::chrono::seconds patience{20};
+  constexpr std::chrono::seconds patience{120};
   Program program(arguments);
   const auto start = std::chrono::steady_clock::now();
   while (program.is_running()) {

@@ -103,14 +103,14 @@ class Cluster:
         self.begin("munged", "--foreground", "--force", "--key-file=" + at("munge.key"), "--num-threads=2",
                    "--socket=" + at("munge.socket"), "--pid-file=" + at("munge.pid"),
                    "--log-file=" + at("munge.log"), "--seed-file=" + at("munge.seed"))
-        self.wait_for(lambda: os.path.exists(at("munge.socket")), 10, "munged to start")
+        self.wait_for(lambda: os.path.exists(at("munge.socket")), 60, "munged to start")
         self.start_controller()
         self.start_node()
-        self.wait_for(lambda: "idle" in self.say("sinfo", "--noheader", "--format=%T"), 20, "the node to be idle")
+        self.wait_for(lambda: "idle" in self.say("sinfo", "--noheader", "--format=%T"), 60, "the node to be idle")
 
     def start_controller(self):
         self.begin("slurmctld", "-D")
-        self.wait_for(lambda: self.try_to("scontrol", "ping").stdout.count("UP"), 20, "slurmctld to answer")
+        self.wait_for(lambda: self.try_to("scontrol", "ping").stdout.count("UP"), 60, "slurmctld to answer")
 
     def start_node(self):
         self.begin("slurmd", "-D", "-N", "farm")

@@ -85,8 +85,8 @@ class Slurm(unittest.TestCase):
 
     def in_time(self, test):
         for seconds in SECONDS_OF_A_BAKE:
-            self.begin(seconds)
             try:
+                self.begin(seconds)
                 return test()
             except slurm_cluster.TooLate as error:
                 print("bakes of %.1f s: %s" % (seconds, error), file=sys.stderr)

@@ -179,7 +179,7 @@ TEST_F(BesideTest, ABakeThatEndsEarlyStandsBesideAgain) {
   const std::string one = (folder_ / "session" / "one").string();
   client->say({{"type", "beside"}, {"name", one}});
   EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), one);
-  client->say({{"type", "set"}, {"changes", {{"scene.end", 60.0}}}});
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 600.0}}}});
   client->wait_for("applied");
   client->say({{"type", "bake"}, {"folder", "one"}, {"overwrite", true}});
   EXPECT_TRUE(client->wait_for("beside").at("bake").is_null());

@@ -124,6 +124,18 @@ std::string Client::wait_for_frame(const std::function<bool(const std::string&)>
   return {};
 }
 
+namespace {
+
+// The server may keep a connection open after an answer.
+bool is_whole(const std::string& answer) {
+  const std::size_t body = answer.find("\r\n\r\n"), length = answer.find("\r\nContent-Length: ");
+  if (body == std::string::npos) return false;
+  if (answer.starts_with("HTTP/1.1 101")) return true;
+  return length < body && answer.size() >= body + 4 + std::strtoul(&answer[length + 18], nullptr, 10);
+}
+
+}  // namespace
+
 std::string raw_request(std::uint16_t port, const std::string& request) {
   asio::io_context context;
   beast::tcp_stream stream(context);
@@ -133,11 +145,11 @@ std::string raw_request(std::uint16_t port, const std::string& request) {
   beast::error_code ignored;
   asio::write(stream.socket(), asio::buffer(request), ignored);
   std::string chunk(4096, '\0');
-  stream.expires_after(std::chrono::seconds(1));
+  stream.expires_after(std::chrono::seconds(30));
   std::function<void()> read = [&] {
     stream.async_read_some(asio::buffer(chunk), [&](beast::error_code error, std::size_t count) {
       answer.append(chunk, 0, count);
-      if (!error) read();
+      if (!error && !is_whole(answer)) read();
     });
   };
   read();

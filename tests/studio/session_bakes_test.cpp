@@ -219,7 +219,7 @@ TEST_F(SessionTest, ARecordedRunTakesTheHandAway) {
 }
 
 TEST_F(SessionTest, ABakeCanBeCancelled) {
-  base::write_whole(scene_, std::string(bar_text) + "[motion]\nhold = 60.0\n");
+  base::write_whole(scene_, std::string(bar_text) + "[motion]\nhold = 600.0\n");
   const Running studio = open();
   const auto client = studio.open();
   start_of(*client);
@@ -250,13 +250,13 @@ TEST_F(SessionTest, CancelIsOfWhatWasAskedBefore) {
   const Running studio = open();
   const auto client = studio.open();
   start_of(*client);
-  client->say({{"type", "set"}, {"changes", {{"scene.end", 2.0}}}});
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 20.0}}}});
   client->wait_for("applied");
   client->say({{"type", "record"}});
   client->say({{"type", "cancel"}});
   client->say({{"type", "record"}});
   EXPECT_EQ(client->wait_for("cancelled").at("what"), "record");
-  EXPECT_EQ(client->wait_for("recorded").at("frames"), 120);
+  EXPECT_EQ(client->wait_for("recorded").at("frames"), 1200);
 }
 
 // Changes during a bake wait; only the last one is applied.
@@ -264,7 +264,7 @@ TEST_F(SessionTest, ChangesDuringABakeComeAfterIt) {
   const Running studio = open();
   const auto client = studio.open();
   start_of(*client);
-  client->say({{"type", "set"}, {"changes", {{"scene.end", 20.0}}}});
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 600.0}}}});
   client->wait_for("applied");
   client->say({{"type", "bake"}});
   client->wait_for("baking");

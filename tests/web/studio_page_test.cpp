@@ -22,7 +22,7 @@ json used_studio(const std::string& name, const std::string& script, const std::
   fs::remove_all(folder);
   fs::create_directories(folder);
   const TemporaryFolder logs;
-  EXPECT_EQ(run_web("timeout 400 node tests/" + script + " '" + FASCICLE_PROGRAM + "' '" + folder.string() +
+  EXPECT_EQ(run_web("timeout 1200 node tests/" + script + " '" + FASCICLE_PROGRAM + "' '" + folder.string() +
                         "' " + scene,
                     logs / "log"),
             0)

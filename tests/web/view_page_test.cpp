@@ -43,8 +43,8 @@ json page_of(const std::string& scene, const std::string& folder, const std::vec
 json used_page(const std::string& script, const std::string& folder, const fs::path& pictures,
                const std::string& arguments) {
   const std::string log = folder + "/log";
-  EXPECT_EQ(run_web("timeout 240 node tests/" + script + " '" + folder + "/page.html' '" + pictures.string() +
-                        "' " + arguments,
+  EXPECT_EQ(run_web("timeout 1200 node tests/" + script + " '" + folder + "/page.html' '" +
+                        pictures.string() + "' " + arguments,
                     log),
             0)
       << read_text(log);

@@ -3,6 +3,7 @@ import { chromium } from "playwright-core";
 
 export async function open_browser() {
   return chromium.launch({
+    timeout: 120000, // beside other work
     executablePath: process.env.FASCICLE_CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });

@@ -81,7 +81,8 @@ await softness.focus();
 const applied = await state("applied");
 for (let k = 0; k < 60; ++k) await page.keyboard.press("ArrowRight");
 await wait_for("applied", applied);
-await page.waitForTimeout(1500);
+// Until no further change is applied.
+for (let was = applied; (await state("applied")) !== was; await page.waitForTimeout(1500)) was = await state("applied");
 report.softness = Number(await page.inputValue("#key-flesh-softness"));
 report.toast = await page.textContent("#toast");
 const second = await recorded_bottom("soft");
@@ -169,12 +170,11 @@ const order = Object.keys(looks).filter((key) => key !== " " && key !== "r" && k
 for (const key of [...order, "r", "t"]) {
   const was = await looks[key]();
   await press(key);
-  await page.waitForTimeout(150);
-  report.keys[key] = (await looks[key]()) !== was;
-  if (report.keys[key]) continue;
   // What goes over the server takes a moment.
-  await page.waitForTimeout(900);
-  report.keys[key] = (await looks[key]()) !== was;
+  for (const until = Date.now() + 30000; !report.keys[key] && Date.now() < until; ) {
+    await page.waitForTimeout(100);
+    report.keys[key] = (await looks[key]()) !== was;
+  }
 }
 await shot("light");
 report.axe.light = await violations();
