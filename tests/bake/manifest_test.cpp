@@ -21,6 +21,7 @@
 namespace fascicle::tests {
 namespace {
 
+using bake::BakeOptions;
 using scene::Json;
 
 // The timings that are read if the manifest's entry is this; without an entry for null.
