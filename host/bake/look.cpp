@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "host/bake/points.h"
 #include "host/drive/felt_acceleration.h"
 #include "host/formats/surface.h"

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "host/build/bar.h"
 #include "host/build/bone_choice.h"
 #include "host/build/bones.h"

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 

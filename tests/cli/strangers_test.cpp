@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
