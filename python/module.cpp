@@ -56,9 +56,10 @@ void raise_error(std::exception_ptr thrown) {
   }
 }
 
-// Callbacks that run, and threads that take the lock back. The interpreter's end waits for them.
+// What the interpreter's end waits for. After it, the process destroys what the library's threads use.
 struct Ending {
-  std::atomic<std::size_t> taking = 0;
+  std::atomic<std::size_t> taking = 0;   // callbacks that run, and threads that take the lock back
+  std::atomic<std::size_t> at_work = 0;  // calls that run without the lock
   std::atomic<bool> has_begun = false;
   std::atomic<std::thread::id> of{};  // the thread that ends the interpreter, and may always take the lock
 };
@@ -68,23 +69,42 @@ Ending& ending() {
   return only;
 }
 
+// This thread's share of both.
+struct Own {
+  std::size_t taking = 0, at_work = 0;
+};
+
+Own& own() {
+  static thread_local Own only;
+  return only;
+}
+
 // Counts first, so that an end that begins meanwhile either waits for this thread or is seen by it.
 bool begin_to_take() {
   Ending& end = ending();
   ++end.taking;
-  if (!end.has_begun || end.of == std::this_thread::get_id()) return true;
+  if (!end.has_begun || end.of == std::this_thread::get_id()) {
+    ++own().taking;
+    return true;
+  }
   --end.taking;
   return false;
 }
 
+void end_taking() {
+  --own().taking;
+  --ending().taking;
+}
+
 void wait_for_those_at_work() {
-  constexpr std::chrono::seconds patience(10);  // a callback may hang
+  // A callback may hang, or a call not notice that it is cancelled.
+  constexpr std::chrono::seconds patience(10);
   const py::gil_scoped_release released;
   Ending& end = ending();
   end.of = std::this_thread::get_id();
   end.has_begun = true;
   const auto late = std::chrono::steady_clock::now() + patience;
-  while (end.taking != 0 && std::chrono::steady_clock::now() < late)
+  while ((end.taking != 0 || end.at_work != 0) && std::chrono::steady_clock::now() < late)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
@@ -97,20 +117,35 @@ Turn::Turn() : has_it_(begin_to_take()) {
 Turn::~Turn() {
   if (!has_it_) return;
   PyGILState_Release(state_);
-  --ending().taking;
+  end_taking();
+}
+
+Unlocked::Unlocked() {
+  ++own().at_work;
+  ++ending().at_work;
+  state_ = PyEval_SaveThread();
 }
 
 Unlocked::~Unlocked() {
-  if (!begin_to_take())
+  --own().at_work;
+  --ending().at_work;
+  if (!begin_to_take()) {
+    // Of calls in a callback of another call, the outer ones do not go on either.
+    ending().at_work -= own().at_work;
+    ending().taking -= own().taking;
     for (;;) pause();  // until the process ends
+  }
   PyEval_RestoreThread(state_);
-  --ending().taking;
+  end_taking();
 }
 
 void Turn::end_at_exit(py::module_& module) {
   module.attr("_end") = py::cpp_function(wait_for_those_at_work);
   // A fork has none of the other threads.
-  module.attr("_forget") = py::cpp_function([] { ending().taking = 0; });
+  module.attr("_forget") = py::cpp_function([] {
+    ending().taking = own().taking;
+    ending().at_work = own().at_work;
+  });
   py::module_::import("atexit").attr("register")(module.attr("_end"));
   py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") = module.attr("_forget"));
 }

@@ -121,7 +121,7 @@ void add_solver(py::module_& module);  // Solver, after Device and Model
 // A thread of the library that wants the interpreter lock (GIL). A daemon thread may be at work while the
 // interpreter ends: it would then be ended in the middle of a C++ call, which aborts the process. From the
 // interpreter's atexit() on, no thread that is at work gets the lock: callbacks cancel the work, and the call
-// does not return.
+// does not return. The interpreter waits until the work has ended.
 class Turn {
  public:
   Turn();  // acquires the lock if it may
@@ -137,10 +137,11 @@ class Turn {
   PyGILState_STATE state_{};
 };
 
-// Gives the lock away, and takes it again; does not come back if the interpreter ended meanwhile.
+// Gives the lock away for a call of the library, and takes it again; does not come back if the interpreter
+// ended meanwhile.
 class Unlocked {
  public:
-  Unlocked() : state_(PyEval_SaveThread()) {}
+  Unlocked();
   ~Unlocked();
   Unlocked(const Unlocked&) = delete;
   Unlocked& operator=(const Unlocked&) = delete;

@@ -23,8 +23,14 @@ fascicle.bake("bar-layers-i", sys.argv[1], device="cpu", threads=1, cache="", pr
 # A daemon thread is at work when the program ends: in a bake that tells its progress, in one that tells nothing, in a
 # solver, and in a callback that takes its time.
 DAEMON = """
-import sys, threading, time, fascicle
+import atexit, json, os, sys, threading, time
 way, folder = sys.argv[1:]
+# Handlers run in reverse order: this one after the module's own, which waits for the work to end.
+@atexit.register
+def say_how_it_ended():
+    if os.path.exists(folder):
+        print(json.load(open(folder + "/manifest.json"))["status"])
+import fascicle
 at_work = threading.Event()
 def told(phase, done, total):
     if phase == "frames":
@@ -42,7 +48,8 @@ def work():
                   progress=None if way == "silent" else told)
 threading.Thread(target=work, daemon=True).start()
 if way == "silent":
-    time.sleep(1)
+    while not os.path.exists(folder + "/manifest.json"):
+        time.sleep(0.01)
 else:
     at_work.wait(60)
 """
@@ -53,7 +60,8 @@ class End(InFolder):
         for way in ("told", "silent", "solver", "slow"):
             ran = subprocess.run([sys.executable, "-c", DAEMON, way, self.path(way)], capture_output=True, text=True,
                                  timeout=60)
-            self.assertEqual((ran.returncode, ran.stderr), (0, ""), way)
+            said = "" if way == "solver" else "interrupted\n"
+            self.assertEqual((ran.returncode, ran.stdout, ran.stderr), (0, said, ""), way)
 
     def test_of_a_forked_worker_leaves_its_parents_solver_alone(self):
         program = """
