@@ -1,9 +1,12 @@
 // The module, its exceptions and callbacks.
 #include "python/module.h"
 
-#include <condition_variable>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
-#include <mutex>
+#include <thread>
 
 #include <unistd.h>
 
@@ -79,16 +82,26 @@ Own& own() {
   return only;
 }
 
+// For this thread.
+bool is_over() {
+  const Ending& end = ending();
+  return end.has_begun && end.of != std::this_thread::get_id();
+}
+
+// For this thread, unless it is in a callback, for which the end waits.
+bool is_over_outside() {
+  return is_over() && own().taking == 0;
+}
+
 // Counts first, so that an end that begins meanwhile either waits for this thread or is seen by it.
-bool begin_to_take() {
-  Ending& end = ending();
-  ++end.taking;
-  if (!end.has_begun || end.of == std::this_thread::get_id()) {
-    ++own().taking;
-    return true;
+bool begin_to_take(bool (*is_refused)()) {
+  ++ending().taking;
+  if (is_refused()) {
+    --ending().taking;
+    return false;
   }
-  --end.taking;
-  return false;
+  ++own().taking;
+  return true;
 }
 
 void end_taking() {
@@ -96,21 +109,37 @@ void end_taking() {
   --ending().taking;
 }
 
+[[noreturn]] void wait_until_the_process_ends() {
+  for (;;) pause();
+}
+
+// A callback may end the interpreter: the end does not wait for its own thread.
+bool others_are_at_work() {
+  return ending().taking != own().taking || ending().at_work != own().at_work;
+}
+
+// Ends the process with its status before it destroys what threads still use.
+void leave_them_their_objects(int status, void* /*unused*/) {
+  if (!others_are_at_work()) return;
+  std::fflush(nullptr);
+  std::_Exit(status);
+}
+
 void wait_for_those_at_work() {
   // A callback may hang, or a call not notice that it is cancelled.
   constexpr std::chrono::seconds patience(10);
   const py::gil_scoped_release released;
-  Ending& end = ending();
-  end.of = std::this_thread::get_id();
-  end.has_begun = true;
+  ending().of = std::this_thread::get_id();
+  ending().has_begun = true;
   const auto late = std::chrono::steady_clock::now() + patience;
-  while ((end.taking != 0 || end.at_work != 0) && std::chrono::steady_clock::now() < late)
+  while (others_are_at_work() && std::chrono::steady_clock::now() < late)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (others_are_at_work()) on_exit(leave_them_their_objects, nullptr);
 }
 
 }  // namespace
 
-Turn::Turn() : has_it_(begin_to_take()) {
+Turn::Turn() : has_it_(begin_to_take(is_over)) {
   if (has_it_) state_ = PyGILState_Ensure();
 }
 
@@ -124,25 +153,25 @@ Unlocked::Unlocked() {
   ++own().at_work;
   ++ending().at_work;
   state_ = PyEval_SaveThread();
+  if (!is_over_outside()) return;
+  --own().at_work;
+  --ending().at_work;
+  wait_until_the_process_ends();
 }
 
 Unlocked::~Unlocked() {
   --own().at_work;
   --ending().at_work;
-  if (!begin_to_take()) {
-    // Of calls in a callback of another call, the outer ones do not go on either.
-    ending().at_work -= own().at_work;
-    ending().taking -= own().taking;
-    for (;;) pause();  // until the process ends
-  }
+  if (!begin_to_take(is_over_outside)) wait_until_the_process_ends();
   PyEval_RestoreThread(state_);
   end_taking();
 }
 
 void Turn::end_at_exit(py::module_& module) {
   module.attr("_end") = py::cpp_function(wait_for_those_at_work);
-  // A fork has none of the other threads.
+  // A fork has none of the other threads, nor the one that ends the interpreter.
   module.attr("_forget") = py::cpp_function([] {
+    ending().has_begun = false;
     ending().taking = own().taking;
     ending().at_work = own().at_work;
   });

@@ -121,7 +121,8 @@ void add_solver(py::module_& module);  // Solver, after Device and Model
 // A thread of the library that wants the interpreter lock (GIL). A daemon thread may be at work while the
 // interpreter ends: it would then be ended in the middle of a C++ call, which aborts the process. From the
 // interpreter's atexit() on, no thread that is at work gets the lock: callbacks cancel the work, and the call
-// does not return. The interpreter waits until the work has ended.
+// does not return, nor does one that starts then. Calls within a callback still do. The interpreter waits
+// until the work has ended, or for 10 s; what is then still at work keeps its objects until the process ends.
 class Turn {
  public:
   Turn();  // acquires the lock if it may
@@ -138,7 +139,7 @@ class Turn {
 };
 
 // Gives the lock away for a call of the library, and takes it again; does not come back if the interpreter
-// ended meanwhile.
+// has begun to end, unless the call is within a callback.
 class Unlocked {
  public:
   Unlocked();

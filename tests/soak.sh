@@ -2,7 +2,7 @@
 # Long forms of tests that CI runs briefly; argument: a build folder with tests. About an hour on 2 cores.
 set -eu
 build=$1
-# 20,000 random bodies per property; CI runs 100.
+# 20,000 random bodies per property; CI runs 50.
 RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
 # Damaged meshes, scenes and FBX and Collada files, with 20 seeds each.
 for test in test_mesh:MeshFile.SurvivesDamage test_scene:'SceneFuzz.*' test_convert:'FromBlender.*damaged*'; do

@@ -61,28 +61,29 @@ Readers of files from strangers have targets for clang's libFuzzer (`tests/fuzz`
 sanitizers run in the same process. What the mesher returns has targets too: it ran on a stranger's surface. FBX and
 Collada have none: `fascicle-convert` reads them with assimp in a sandbox.
 
-A reader accepts a file, or refuses it with the exception that its header names and a message of one line. Anything else
-is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a process of
-more than %d MiB, or a file that takes more than %d s. The process also holds the sanitizers' shadow memory, the corpus
-and recently freed memory, so a reader itself has less than that.
+A reader accepts a file, or refuses it with the exception that its C++ header names and a message of one line. Anything
+else is a flaw: another exception, a read or write out of bounds, a leak, undefined behaviour, an allocation or a
+process of more than %d MiB, or a file that takes more than %d s. The process also holds the sanitizers' shadow memory,
+the corpus and recently freed memory, so a reader itself has less than that.
 
 PNG and our own file formats carry checksums. Their targets correct them, so that the fuzzer gets past them. One change
 in sixteen replaces a number in a text, with 1e300, -1 or 2^64 for example; changes of single bytes rarely make these.
 Before the fuzzer starts, each number of each seed is replaced in all these ways. Each run first checks that the fuzzer
-finds the flaws of planted readers: a read past the end, an undocumented exception, also of a replaced number, a leak,
-an undefined value, an endless loop and 600 MiB at once.
+finds the flaws of planted readers: a read past the end, an undocumented exception, the same one that only a replaced
+number causes, a leak, a signed overflow, an endless loop and 600 MiB at once.
 
 Files are at most as long as the table says, because the fuzzer tries short files much faster. No seed is longer.
 `test_fuzz`, which any compiler builds, reads the seeds and all earlier finds, damages them by fixed rules, and extends
-them to 1 MiB, where a reader may take %d s and %d MiB of C++ memory.
+them to 1 MiB, where a reader may take %d s and %d MiB of C++ memory. CI runs it, but not the fuzzer itself, whose build
+alone takes longer than CI may.
 
 | target | what it reads | files | at most | time | processes | files/s | peak memory | slowest | flaws | commit |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
 Each line is the last run of its target, on %s, with %s. The peak memory is that of one process.
 `./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000 --processes 8` runs targets for longer, each
-in eight processes, which share what they find. Such a run may be stopped: it goes on where it was, with the same
-programs. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads it in every build.
+in eight processes, which share what they find. Such a run may be stopped: it goes on where it was, unless the
+target was built anew. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads it in every build.
 """
 
 

@@ -4,7 +4,7 @@ import os
 import random
 import shutil
 
-from bakes import DONE, hold, hold_verified, manifest, must_be_found
+from bakes import DONE, frame_of_checkpoint, hold, hold_verified, manifest, must_be_found
 
 NO_DEVICE, DEVICE_FAILED = 4, 7
 RESULTS = ((-4, "VK_ERROR_DEVICE_LOST"), (-2, "VK_ERROR_OUT_OF_DEVICE_MEMORY"), (-1, "VK_ERROR_OUT_OF_HOST_MEMORY"),
@@ -46,6 +46,13 @@ def hold_handed_over(bake, folder, done, name):
     return to_cpu
 
 
+def hold_checkpoint(bake, folder):
+    """Once there are frames, a resumed bake does not start over."""
+    frames = bake.frames_in(folder)
+    hold(frames == 0 or frame_of_checkpoint(folder) is not None,
+         "%s: there are %d frames, but no checkpoint" % (folder, frames))
+
+
 def hold_kept(bake, folder, done, name):
     """The frames so far are kept, and a resumed bake continues from them on the CPU. False if the failed call did no
     harm."""
@@ -54,6 +61,7 @@ def hold_kept(bake, folder, done, name):
         return False
     hold(done.returncode in (NO_DEVICE, DEVICE_FAILED) and name in done.stderr,
          "%s: after %s it exited with %d: %s" % (folder, name, done.returncode, done.stderr))
+    hold_checkpoint(bake, folder)
     if done.returncode == DEVICE_FAILED:
         hold("--resume" in done.stderr, "%s: the message does not mention --resume: %s" % (folder, done.stderr))
     said = manifest(folder)
@@ -77,6 +85,8 @@ def device_faults(bakes, count):
     must_be_found(lambda: hold_handed_over(chosen[0], folder, done, "VK_TIMEOUT"), "the wrong reason")
     must_be_found(lambda: hold_kept(chosen[0], folder, chosen[0].run(folder), "VK_TIMEOUT"),
                   "no failure")
+    os.remove(os.path.join(folder, "checkpoint"))
+    must_be_found(lambda: hold_checkpoint(chosen[0], folder), "frames without a checkpoint")
     shutil.rmtree(folder)
     handed_over = kept = harmless = 0
     for k in range(count):

@@ -12,7 +12,7 @@ from bakes import BAD_INPUT, DONE, FAILED, PROGRAM, hold, must_be_found
 from readable import hold_readable
 from refusals import BAD_USAGE, ended, hold_refusal
 
-NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "'; touch escaped; '", "$(touch escaped)",
+NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "\u061c\u200eevil\u200f", "'; touch escaped; '", "$(touch escaped)",
          "\"quoted\"", "<b>&amp;]]>", "a" * 100000, "nul", "-rf", ".", "..", " ", "", "\ttab", "100%s%n", "{}", "\\x",
          "\u0085next", "name\r", "caf\u00e9", "\U0001f600", "`id`", "#{a}", "*",
          "</script><script>escaped()</script>", "\"><img src=x onerror=escaped()>", "a\"+escaped()+\"b",
@@ -20,7 +20,7 @@ NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "'
          "a\"\"\"+escaped()+\"\"\"b", "\\\"+escaped()#", "a'$(escaped)'b", "a\nescaped()\n", "]]><b/>")
 FORMATS = "abc,glb,mdd,obj,pc2,usda,vtp,vtu"
 # Control characters that a terminal acts on, and characters that change text direction.
-OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 def picture():
@@ -109,7 +109,7 @@ def controls_of_names(root):
             ("a.json", b"{}", b"{"), ("a.vtu", b"<VTKFile a='b'/>", b"<VTKFile a='<'/>"),
             ("a.html", b"&lt;script>", b"<script>escaped()"), ("a.py", b"a = 'escaped()'\n", b"a = ''+escaped()+''\n"),
             ("a.py", b"a = 1\n", b"a = '\n"), ("a.sbatch", b"list='$(escaped)'\n", b"list=\"$(escaped)\"\n"),
-            ("a.sbatch", b"echo 'a'\n", b"echo 'a\n")):
+            ("a.sbatch", b"echo 'a'\n", b"echo 'a\n"), ("submit", b"cd 'escaped'\n", b"cd escaped\n")):
         path = os.path.join(root, file_name)
         for content, is_whole in ((whole, True), (broken, False)):
             with open(path, "wb") as file:
@@ -161,8 +161,8 @@ def names(bakes, count):
     long. They are given to everything that a character file names (joints, meshes, clips, blend shapes, materials,
     textures), to the file itself, and to jobs, layers and probes. The commands are `inspect`, `bake` of all clips in
     every format, `report` and `view` of each bake, `batch`, and `batch --emit` for both farms. Bakes are resumed with
-    a later end, and `verify` finds nothing before or after. A parser reads every file that they write; the Blender
-    script is compiled, and shell scripts go through `bash -n`."""
+    a later end, and `verify` accepts them before and after. Parsers read the files that they write, except our own
+    formats and copied textures; the Blender script is compiled, and shell scripts go through `bash -n`."""
     controls_root = bakes[0].empty_folder()
     controls_of_names(controls_root)
     shutil.rmtree(controls_root)

@@ -224,7 +224,7 @@ def parameters(bakes, count):
     with forces, colliders and contact, an arm with muscles, and a bear. Each bakes 20 frames, or more until it has
     taken 200 solver steps. A fifth also bakes on the Vulkan device, where there is one. A bake either writes finite
     positions, with the same bits on both devices; or ends with 5 and says that positions burst; or is refused with one
-    message that names a key that was changed, or one in its table that conflicts with it. A bake that would take hours
+    message that names a key that was changed, or one in its table that conflicts with it. A bake that takes more than 10 s
     says that it is at work, and a signal ends it. Left as they are: keys that name files, places, joints or layers, and
     those that set the number of vertices (`load` has many)."""
     root = bakes[0].empty_folder()

@@ -196,7 +196,7 @@ def surfaces(bakes, count):
     """Generated surfaces go through `inspect` and `bake`, as .obj and as binary .stl, .ply and .glb. They are open,
     self-intersecting, flat, duplicated, torn, partly inside out, huge, tiny or made of slivers; their vertices
     coincide, are NaN, infinite or extreme, or are missing. Each is baked, or refused with one message that says what to
-    do. What takes more than 10 s must say that it is at work. All processes together may use 256 MiB and 1 KiB for each
+    do. What takes more than 10 s must say that it is at work. Each process may use 256 MiB and 1 KiB for each
     byte of the file."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment()

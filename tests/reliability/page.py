@@ -13,8 +13,8 @@ FOUND_FILE = os.path.join(DOCS, "reliability.json")
 
 PAGE = """# Reliability
 
-Bakes run overnight, on farms, on files from strangers. `./do reliability` disturbs bakes in every way that we could
-think of, and checks that nothing is lost and nothing crashes. It writes this page; for single rows,
+Bakes run overnight, on farms, on files from strangers. `./do reliability` disturbs bakes in the ways listed below,
+and checks that nothing is lost and nothing crashes. `./do reliability --write` writes this page; for single rows,
 `./do reliability ROW... --write` does.
 
 Most rows disturb three small bakes: a bar with one file per frame, a character in all formats with a cached body, and
@@ -22,10 +22,10 @@ a character whose body is built and settled in each run. Every file that has its
 by byte, with that of an undisturbed bake. Then `--resume` completes the bake, from its checkpoint where there is one,
 and all files are compared again.
 
-Each row first proves that its checks can fail. It runs them against a careless program: one that writes half a file,
-names a file before its bytes are written, starts over where it should resume, ignores a signal, hides a disk error,
-leaves out a sync, abandons a child process, opens a socket, gives an error message that does not help, is silent for
-ten seconds, slows down, or leaks. The checks must report it. A row is listed here only if everything it checks held.
+Each row first proves that its checks can fail. It runs them against a careless program, or what one would leave: half
+a file, a file that has its name before its bytes, a bake that starts over where it should resume, an ignored signal, a
+hidden disk error, a missing sync, an abandoned child process, a socket, an error message that does not help, ten seconds
+of silence, a slowing pace, or a leak. The checks must report it. A row is listed here only if everything it checks held.
 
 CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzing](fuzzing.md).
 
@@ -39,7 +39,8 @@ CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzin
 - The mesher is a separate program, and `memory` does not run it under Valgrind. `surfaces` does bound its memory.
 - The validation layer does not see every missing barrier. A test leaves out each barrier of a solver in turn
   (`tests/gpu/barriers_test.cpp`) and detects all but one, which no result depends on: the two buffers of skinned
-  positions count as one, so there is also a barrier between a write to one and a write to the other.
+  positions count as one, so there is also a barrier between a write to one and a write to the other. Of the barriers
+  that open a step, one of each kind must be detected.
 - `values` leaves keys alone that name files, places, joints or layers.
 - Mesa has a layer that sorts devices (`VK_LAYER_MESA_device_select`, 22.3.6). It crashes if one of its own queries
   fails, so `device` leaves it out.

@@ -140,13 +140,17 @@ READERS = {".csv": comma_separated, ".obj": obj, ".mtl": mtl, ".usda": usda, ".p
            ".sbatch": sh, ".json": as_json}
 
 
+# The script that submits a batch to Slurm.
+READERS_OF_NAMES = {"submit": sh}
+
+
 def hold_readable(path):
     """Checks a file; returns False if its extension is one of UNREAD."""
-    extension = os.path.splitext(path)[1]
-    if extension in UNREAD:
+    extension, name = os.path.splitext(path)[1], os.path.basename(path)
+    if extension in UNREAD and name not in READERS_OF_NAMES:
         return False
-    hold(extension in READERS, path + ": nothing reads files of this kind")
-    read = READERS[extension]
+    read = READERS_OF_NAMES.get(name, READERS.get(extension))
+    hold(read, path + ": nothing reads files of this kind")
     with open(path, "rb") as file:
         content = file.read()
     try:

@@ -13,7 +13,8 @@ import sys
 import time
 import typing
 
-from bakes import BAD_INPUT, DEVICE, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, must_be_found
+from bakes import (BAD_INPUT, DEVICE, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, manifest,
+                   must_be_found)
 from company import clashes, drivers, load
 from device_faults import device_faults
 from disk import disk_fails
@@ -25,7 +26,7 @@ from killed import killed
 from layers import layers
 from memory import memory
 from outside import outside
-from stopped import PATIENCE, stopped
+from stopped import PATIENCE, stand_still, stopped
 
 
 HEAD_BYTES = 128  # the first bytes of a file, including all of its header
@@ -91,8 +92,8 @@ def processes_in(folder):
 
 
 def batches_stopped(bakes, count):
-    """SIGTERM, SIGINT or SIGKILL ends a batch of four bakes, of which two run at a time. None of its child processes
-    may survive it."""
+    """SIGTERM, SIGINT or SIGKILL ends a batch of four bakes, of which two run at a time. If bakes had still to be
+    started, SIGTERM and SIGINT end it with 75. None of its child processes may survive it."""
     root = bakes[0].root
     jobs = os.path.join(root, "jobs.toml")
     with open(jobs, "w") as file:
@@ -111,11 +112,27 @@ def batches_stopped(bakes, count):
         hold(len(found) == 4, folder + ": %d bakes" % len(found))
         return found
 
+    def hold_ended(number, status, complete, folder):
+        """If fewer than two bakes were complete, one had not been started; returns whether that is so."""
+        has_work = complete < 2
+        wanted = (-number,) if number == signal.SIGKILL else (INTERRUPTED,)
+        hold(status in (wanted if has_work else (*wanted, DONE)),
+             "%s: after signal %d, with %d bakes complete, the batch exited with %d" % (
+                 folder, number, complete, status))
+        return has_work
+
+    def complete_in(folder):
+        bakes_of = (os.path.join(folder, name) for name in os.listdir(folder))
+        said = [manifest(path) for path in bakes_of if os.path.isdir(path)]
+        return sum(one is not None and one["status"] == "complete" for one in said)
+
     whole = os.path.join(root, "whole-batch")
     begin = time.monotonic()
     subprocess.run([*command, whole], env=environment, check=True, capture_output=True)
     seconds = time.monotonic() - begin
     expected = files_of(whole)
+    hold(complete_in(whole) == 4, "complete bakes are not counted")
+    must_be_found(lambda: hold_ended(signal.SIGTERM, DONE, 0, whole), "a batch that ends as if no signal had come")
     left = os.path.join(root, "left")
     script = "import time; print(flush=True); time.sleep(60)"
     child = subprocess.Popen([sys.executable, "-c", script, left], stdout=subprocess.PIPE)
@@ -123,6 +140,7 @@ def batches_stopped(bakes, count):
     must_be_found(lambda: hold(not processes_in(left), "a child is running"), "a child that is running")
     child.kill()
     child.communicate()
+    at_work = 0
     for k in range(count):
         folder = os.path.join(root, "batch-%d" % k)
         number = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[k % 3]
@@ -131,10 +149,12 @@ def batches_stopped(bakes, count):
         while not os.path.exists(os.path.join(folder, "batch.json")):  # its signal handlers are installed by then
             time.sleep(0.001)
         time.sleep(random.uniform(0.0, seconds))
-        process.send_signal(number)
-        status = process.wait()
-        hold(status in ((-number, DONE) if number == signal.SIGKILL else (DONE, INTERRUPTED)),
-             "%s: after signal %d the batch exited with %d" % (folder, number, status))
+        complete = 4
+        if stand_still(process):  # a batch that stands still starts no bake while they are counted
+            complete = complete_in(folder)
+            process.send_signal(number)
+            process.send_signal(signal.SIGCONT)
+        at_work += hold_ended(number, process.wait(), complete, folder)
         patience = time.monotonic() + PATIENCE
         while processes_in(folder) and time.monotonic() < patience:
             time.sleep(0.02)
@@ -143,7 +163,8 @@ def batches_stopped(bakes, count):
         hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
         hold(files_of(folder) == expected, folder + ": bytes differ")
         shutil.rmtree(folder)
-    return "%d batches; no child survived, and each batch was resumed to the same bytes" % count
+    return "%d batches, %d of which had bakes yet to start; no child survived, and each batch was resumed to the same " \
+           "bytes" % (count, at_work)
 
 
 def damages(content, count):
@@ -159,7 +180,7 @@ def damages(content, count):
 
     head = [(at, at % 8) for at in range(min(size, HEAD_BYTES))]
     ends = list(range(0, size, 4096))
-    few = max(1, 2 * count // 5)  # limits head and ends only if count is small
+    few = max(1, 2 * count // 5)  # limits the first bytes to fewer than 128 only if count is below 320
     for at, bit in random.sample(head, min(len(head), few)):
         yield flipped(at, bit)
     for at in random.sample(ends, min(len(ends), few)):
@@ -285,7 +306,7 @@ def damaged(bakes, count):
         with open(entry, "wb") as file:
             file.write(whole[entry])
         must_be_found(lambda entry=entry: replaced("no damage", entry), "an entry that is used")
-        what = damage(entry, max(1, count // 40), lambda what, _, entry=entry: replaced(what, entry))
+        what = damage(entry, max(1, 3 * count // 100), lambda what, _, entry=entry: replaced(what, entry))
         found["kept entries"] = found.get("kept entries", 0) + what
     return "%d of %d damages detected: %s; %d exports and resumed bakes of damaged files were refused" % (
         sum(found.values()), sum(found.values()), ", ".join("%s %d" % pair for pair in found.items()), used)

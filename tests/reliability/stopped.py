@@ -242,7 +242,9 @@ class Batch:
 
 def stopped(bakes, count):
     """SIGTERM or SIGINT arrives at a random moment of a bake; one bake in four gets two. SIGSTOP holds the bake while
-    its frames are counted and the signal is sent, so that no frame slips in between. A second signal ends a bake of
+    its frames are counted and the signal is sent, so that no frame slips in between. The checkpoint must be at a frame
+    that was then in progress: only the frame being solved is waited for, but up to three more have been requested or
+    wait to be written. A second signal ends a bake of
     very slow frames within 2 s. One bake of a batch gets a signal alone, and the others carry on."""
     control_of_files(bakes)
     control_of_going_on(bakes)
