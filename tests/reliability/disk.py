@@ -2,6 +2,7 @@
 cache."""
 
 import errno
+import json
 import os
 import random
 import resource
@@ -44,6 +45,16 @@ def hold_noticed(done, number, calls, error, what):
     return True
 
 
+def hold_marked(folder, error):
+    """The manifest, if there is one, says that the bake failed, and why. Returns whether there is one."""
+    said = manifest(folder)
+    if said is None:
+        return False
+    hold(said["status"] == "failed" and os.strerror(error) in said["message"],
+         "%s: the manifest says %s: %s" % (folder, said["status"], said["message"]))
+    return True
+
+
 class BakeThere:
     """A bake into a failing folder."""
 
@@ -56,13 +67,10 @@ class BakeThere:
     def run(self, folder, **more):
         return self.bake.run(folder, **more)
 
-    def hold_published(self, folder, reason):
+    def hold_published(self, folder, error):
         self.bake.hold_counted(folder)
-        said = manifest(folder)
-        # A full disk has no room for a manifest.
-        if said is not None and reason:
-            hold(said["status"] == "failed" and reason in said["message"],
-                 "%s: the manifest says %s" % (folder, said["status"]))
+        if error:
+            hold_marked(folder, error)
 
     def finish(self, folder):
         self.bake.resume(folder)
@@ -240,7 +248,8 @@ def fail_one(of, calls, is_once, library):
         has_failed = made >= number
     else:
         has_failed = hold_noticed(done, number, made, error, what)
-    of.hold_published(folder, os.strerror(error) if is_once and has_failed else "")
+    # Where all later calls fail, the manifest cannot be written either.
+    of.hold_published(folder, error if is_once and has_failed else 0)
     of.finish(folder)
     shutil.rmtree(folder)
     if made:
@@ -249,59 +258,78 @@ def fail_one(of, calls, is_once, library):
 
 
 def fill_tmpfs(bake, size):
-    """A bake on a tmpfs of `size` bytes, then --resume with more space. False if no tmpfs can be mounted."""
+    """A bake on a tmpfs of `size` bytes, then --resume with more space. None if no tmpfs can be mounted, else whether
+    the full one had a manifest."""
     folder = bake.empty_folder()
     options = "size=%d" % size
     if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder],
                                            capture_output=True).returncode != 0:
         shutil.rmtree(folder)
-        return False
+        return None
     try:
         done = bake.run(folder)
         hold(hold_noticed(done, 1, 1, errno.ENOSPC, folder), folder + ": the small disk was large enough")
         bake.hold_counted(folder)
+        is_marked = hold_marked(folder, errno.ENOSPC)
         subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True, capture_output=True)
         bake.resume(folder)
     finally:
         subprocess.run(["umount", folder], check=True)
     os.rmdir(folder)
-    return True
+    return is_marked
 
 
 def limit_files(bake):
-    """A bake under a random limit on file size (`ulimit -f`), as farms have them."""
+    """A bake under a random limit on file size (`ulimit -f`), as farms have them. Returns whether it had a manifest."""
     folder = bake.empty_folder()
     most = random.randint(4096, max(bake.whole.values())[0] - 1)
     done = subprocess.run(bake.command(folder), capture_output=True, text=True, env=bake.environment(),
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
     hold_noticed(done, 1, 1, errno.EFBIG, "%s, files limited to %d bytes" % (folder, most))
     bake.hold_counted(folder)
+    is_marked = hold_marked(folder, errno.EFBIG)
     bake.resume(folder)
+    shutil.rmtree(folder)
+    return is_marked
+
+
+def control_of_marks(bake):
+    """Controls: manifests of a bake that completed, and of one that failed for another reason."""
+    must_be_found(lambda: hold_marked(bake.folder_of_whole, errno.ENOSPC), "a manifest that says nothing of the failure")
+    folder = bake.empty_folder()
+    with open(os.path.join(folder, "manifest.json"), "w") as file:
+        json.dump({"status": "failed", "message": os.strerror(errno.EIO)}, file)
+    hold(hold_marked(folder, errno.EIO), "a manifest is not read")
+    must_be_found(lambda: hold_marked(folder, errno.ENOSPC), "a manifest with another reason")
     shutil.rmtree(folder)
 
 
 def disk_fails(bakes, count):
     """The k-th call that changes a file fails, either alone (an I/O error) or with all calls after it (a full disk). It
     fails in a bake, an export, a render, a batch, and in the cache of a bake, which must then finish without its cache.
-    Bakes also run on a tmpfs that is too small and under a limit on file size (`ulimit -f`)."""
+    Bakes also run on a tmpfs that is too small and under a limit on file size (`ulimit -f`). The manifest says that the
+    bake failed, and why, unless all calls from the k-th on fail."""
     library = os.environ.get("FASCICLE_FAILING_CALLS", "")
     hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
     control_of_files(bakes)
     control_of_going_on(bakes)
     control_of_errors(library, bakes[0].root)
+    control_of_marks(bakes[0])
     # The slowest come last: the short form has no time for them.
     places = [BakeThere(bakes[0]), RenderThere(bakes[1]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
               ExportThere(bakes[1]), BakeThere(bakes[1]), BakeThere(bakes[2])]
     calls, failed = {}, {place.name: 0 for place in places if not isinstance(place, str)}
-    beyond = tmpfs = limits = 0
+    beyond = tmpfs = limits = marked = 0
     is_mountable = True
     for k in range(count):
         place = places[k % len(places)]
         if place == "tmpfs":
-            is_mountable = is_mountable and fill_tmpfs(bakes[0], random.randint(1, 8) << 18)
+            is_marked = fill_tmpfs(bakes[0], random.randint(1, 8) << 18) if is_mountable else None
+            is_mountable = is_marked is not None
             tmpfs += is_mountable
+            marked += bool(is_marked)
         elif place == "limit":
-            limit_files(bakes[limits % 2])
+            marked += limit_files(bakes[limits % 2])
             limits += 1
         else:
             if place.name not in calls:
@@ -311,7 +339,7 @@ def disk_fails(bakes, count):
             else:
                 beyond += 1
     text = "%d runs: %d calls failed (%s), and each outside the cache ended its program with 1 and the reason; %d " \
-           "were set after the last call of their run; %d tmpfs were full%s; %d limits were hit; all were resumed to " \
-           "the same bytes"
+           "were set after the last call of their run; %d tmpfs were full%s; %d limits were hit; of these, %d had a " \
+           "manifest, which gave the reason; all were resumed to the same bytes"
     return text % (count, sum(failed.values()), ", ".join("%s %d" % pair for pair in failed.items()), beyond, tmpfs,
-                   "" if is_mountable else " (NOT TESTED: no tmpfs can be mounted here)", limits)
+                   "" if is_mountable else " (NOT TESTED: no tmpfs can be mounted here)", limits, marked)

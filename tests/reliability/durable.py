@@ -179,10 +179,10 @@ def control_of_order(log, root):
 
 def durable(bakes, count):
     """strace records the commands that write files: a bake in all formats with a cache, the same bake resumed to a
-    later end, exports into the bake and beside it, a batch, its form for a farm, pictures, a report, a page to view, a
-    validation and the model of `inspect`. The bytes of a file
-    are synced before it gets its final name, and its folder is synced after that. Everything that a checkpoint relies
-    on is synced before the checkpoint."""
+    later end, exports into the bake and beside it, a batch, its forms for farms, a batch in parts and their merging, pictures, a
+    report, a page to view, a validation, a benchmark and the model of `inspect`. The bytes of a file are synced before
+    it gets its final name, and its folder is synced after that. Everything that a checkpoint relies on is synced before
+    the checkpoint."""
     why_not = subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True).returncode \
         if shutil.which("strace") else 1
     if why_not:
@@ -209,9 +209,14 @@ def durable(bakes, count):
         "report": ["report", bake, "-o", os.path.join(root, "report.html")],
         "view": ["view", bake, "-o", os.path.join(root, "view.html")],
         "emit": ["batch", jobs, "--emit", "slurm", "-o", os.path.join(root, "farm")],
+        "template": ["batch", jobs, "--emit", "openjd", "-o", os.path.join(root, "farm.json")],
+        "job": ["batch", jobs, "--job", "1-2", *device, "-o", os.path.join(root, "parts")],
+        "merge": ["batch", "status", jobs, "-o", os.path.join(root, "parts"), "--merge"],
         "model": ["inspect", "bar-hang-none", "--model", os.path.join(root, "model.vtu")],
         "validate": ["validate", "bar-beta-1", "--devices", "cpu", "--frames", "2", "--html",
                      os.path.join(root, "validate.html")],
+        "bench": ["bench", "--vertices", "300", "--rounds", "1", "--threads", "1", "--integrator", "explicit",
+                  "--no-peers", "--json", os.path.join(root, "bench.json"), "--csv", os.path.join(root, "bench.csv")],
     }
     held = dict.fromkeys(commands, 0)
     for k in range(count):

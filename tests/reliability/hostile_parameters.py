@@ -265,7 +265,7 @@ def parameters(bakes, count):
     least = max(1, count // 16) if count >= 50 else 1
     hold(not vulkan or compared >= least, "only %d of %d were compared on Vulkan" % (compared, count))
     shutil.rmtree(root)
-    on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "there was no Vulkan device to compare with"
+    on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "NOT TESTED: there is no Vulkan device to compare with"
     return "%d scenes: %d stayed finite, %d of these for %d solver steps or more (the median took %d); %d were " \
            "refused by name, %d reported that they burst, %d were long, said so and were stopped; %s" % (
                count, finite, sum(n >= STEPS for n in steps), STEPS, sorted(steps)[finite // 2], refused, burst,
