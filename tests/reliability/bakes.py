@@ -208,11 +208,11 @@ class Bake:
         if not self.keeps_cache:
             shutil.rmtree(self.cache, ignore_errors=True)
 
-    def start(self, folder, *more):
+    def start(self, folder, *more, **environment):
         """Runs it in a new process group, so that signals to the group also reach its children."""
         self.forget_body()
         return subprocess.Popen(self.command(folder, *more), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                text=True, env=self.environment(), start_new_session=True)
+                                text=True, env=self.environment(**environment), start_new_session=True)
 
     def start_listening(self, folder, *more):
         """The same, but returns only once SIGTERM has a handler. Before that, a signal would simply kill the

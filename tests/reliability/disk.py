@@ -2,6 +2,7 @@
 cache."""
 
 import errno
+import functools
 import json
 import os
 import random
@@ -12,6 +13,7 @@ import sys
 
 from bakes import (DONE, FAILED, GROWING, PROGRAM, control_of_files, control_of_going_on, digest, files, hold, manifest,
                    must_be_found)
+from failing_calls import calls_in, count_of, counted_calls, plan
 from killed import export_of
 
 # A writer that carries on after a failed write if sys.argv[2] is "silent", and otherwise exits with the error.
@@ -24,13 +26,6 @@ with open(sys.argv[1], "wb", buffering=0) as file:
             if sys.argv[2] != "silent":
                 sys.exit(str(error))
 """
-
-
-def calls_in(path):
-    """The count that failing_calls.cpp wrote. Each process writes one; this is the largest."""
-    hold(os.path.exists(path), "no call was counted: the library is not preloaded or does not work")
-    with open(path) as file:
-        return max(int(line) for line in file)
 
 
 def hold_noticed(done, number, calls, error, what):
@@ -204,31 +199,20 @@ class CacheThere:
         shutil.rmtree(self.out)
 
 
-def plan(library, folder, number, error, mode):
-    return {"LD_PRELOAD": library, "FAILING_FOLDER": folder, "FAILING_CALL": str(number), "FAILING_MODE": mode,
-            "FAILING_COUNT": folder + ".calls", "FAILING_ERROR": str(error)}
-
-
-def counted_calls(of, library):
-    """The number of calls in an undisturbed run."""
+def calls_of(of):
     folder = of.folder()
-    done = of.run(folder, **plan(library, folder, 0, 0, "once"))
-    hold(done.returncode == DONE, done.stderr)
-    calls = calls_in(folder + ".calls")
-    hold(calls > 4, "%s: hardly any calls were counted" % of.name)
-    os.remove(folder + ".calls")
+    calls = counted_calls(functools.partial(of.run, folder), folder)
     shutil.rmtree(folder)
     return calls
 
 
-def control_of_errors(library, root):
+def control_of_errors(root):
     """Controls: a writer that ignores a full disk, and one that reports it."""
     path = os.path.join(root, "swallowed")
     for how in ("silent", "aloud"):
         done = subprocess.run([sys.executable, "-c", SWALLOWS, path, how], capture_output=True, text=True,
-                              env={**os.environ, **plan(library, path, 50, errno.ENOSPC, "from")})
-        calls = calls_in(path + ".calls")
-        os.remove(path + ".calls")
+                              env={**os.environ, **plan(path, 50, errno.ENOSPC, "from")})
+        calls = calls_in(path)
         hold(calls >= 50 and os.path.getsize(path) == 49000, "the control never hit the full disk: %s" % done.stderr)
         if how == "silent":
             must_be_found(lambda: hold_noticed(done, 50, calls, errno.ENOSPC, path), "a swallowed error")
@@ -236,13 +220,13 @@ def control_of_errors(library, root):
             hold(hold_noticed(done, 50, calls, errno.ENOSPC, path), "the control exited with 0")
 
 
-def fail_one(of, calls, is_once, library):
+def fail_one(of, calls, is_once):
     """Fails one random call, or that call and all after it. Returns whether a call failed."""
     folder = of.folder()
     number, error = random.randint(1, calls), errno.EIO if is_once else errno.ENOSPC
-    done = of.run(folder, **plan(library, folder, number, error, "once" if is_once else "from"))
+    done = of.run(folder, **plan(folder, number, error, "once" if is_once else "from"))
     what = "%s, %s" % (of.name, folder)
-    made = calls_in(folder + ".calls") if os.path.exists(folder + ".calls") else 0
+    made = calls_in(folder) if os.path.exists(count_of(folder)) else 0
     if isinstance(of, CacheThere):  # the cache is optional: the bake must still finish
         hold(done.returncode == DONE, "%s: exited with %d: %s" % (what, done.returncode, done.stderr))
         has_failed = made >= number
@@ -252,8 +236,6 @@ def fail_one(of, calls, is_once, library):
     of.hold_published(folder, error if is_once and has_failed else 0)
     of.finish(folder)
     shutil.rmtree(folder)
-    if made:
-        os.remove(folder + ".calls")
     return has_failed
 
 
@@ -309,11 +291,9 @@ def disk_fails(bakes, count):
     fails in a bake, an export, a render, a batch, and in the cache of a bake, which must then finish without its cache.
     Bakes also run on a tmpfs that is too small and under a limit on file size (`ulimit -f`). The manifest says that the
     bake failed, and why, unless all calls from the k-th on fail."""
-    library = os.environ.get("FASCICLE_FAILING_CALLS", "")
-    hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
     control_of_files(bakes)
     control_of_going_on(bakes)
-    control_of_errors(library, bakes[0].root)
+    control_of_errors(bakes[0].root)
     control_of_marks(bakes[0])
     # The slowest come last: the short form has no time for them.
     places = [BakeThere(bakes[0]), RenderThere(bakes[1]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
@@ -333,8 +313,8 @@ def disk_fails(bakes, count):
             limits += 1
         else:
             if place.name not in calls:
-                calls[place.name] = counted_calls(place, library)
-            if fail_one(place, calls[place.name], k // len(places) % 2 == k % 2, library):
+                calls[place.name] = calls_of(place)
+            if fail_one(place, calls[place.name], k // len(places) % 2 == k % 2):
                 failed[place.name] += 1
             else:
                 beyond += 1

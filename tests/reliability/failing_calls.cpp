@@ -1,12 +1,15 @@
-// A preloaded library that makes file-changing calls in one folder fail, as on a full or broken disk.
+// A preloaded library that makes file-changing calls in one folder fail, as on a full or broken disk, or ends
+// the program before one of them.
 //
 //   FAILING_FOLDER  absolute; calls on files below it count
 //   FAILING_CALL    the number of the first call that fails, from 1; 0: none
-//   FAILING_MODE    "once": only that call; "from": that call and all later ones
+//   FAILING_MODE    "once": only that call; "from": that call and all later ones; "kill": SIGKILL ends the
+//                   program before that call
 //   FAILING_ERROR   errno
 //   FAILING_COUNT   the number of calls is appended to this file when the process exits
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -29,7 +32,7 @@ std::string text_of(const char* name) {
 struct Plan {
   std::string folder = text_of("FAILING_FOLDER"), count_file = text_of("FAILING_COUNT");
   unsigned long first = std::strtoul(text_of("FAILING_CALL").c_str(), nullptr, 10);
-  bool only_once = text_of("FAILING_MODE") == "once";
+  bool only_once = text_of("FAILING_MODE") == "once", kills = text_of("FAILING_MODE") == "kill";
   int error = static_cast<int>(std::strtol(text_of("FAILING_ERROR").c_str(), nullptr, 10));
   std::atomic<unsigned long> calls{0};
 
@@ -68,6 +71,7 @@ bool fails(const std::string& path) {
   if (p.folder.empty() || path.compare(0, p.folder.size(), p.folder) != 0) return false;
   const unsigned long number = ++p.calls;
   if (p.first == 0 || number < p.first || (p.only_once && number > p.first)) return false;
+  if (p.kills) ::raise(SIGKILL);
   errno = p.error;
   return true;
 }

@@ -4,12 +4,14 @@ resumed."""
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import time
 
 from bakes import (DONE, GROWING, PROGRAM, Bake, Kept, control_of_files, control_of_going_on, digest, files, hold,
                    killed_at_work, must_be_found)
+from failing_calls import count_of, counted_calls, plan
 
 # When a kill can arrive, judged by the state of the folder.
 PHASES = ("building", "settling", "frames", "ends of files", "export")
@@ -73,9 +75,10 @@ class Export:
     def command(self, folder, *more):
         return [PROGRAM, "export", self.source, "--to", EVERY_FORMAT, "-o", folder, *more]
 
-    def start(self, folder, *more):
+    def start(self, folder, *more, **environment):
         return subprocess.Popen(self.command(folder, "--overwrite"), stdout=subprocess.DEVNULL,
-                                stderr=subprocess.PIPE, text=True, start_new_session=True)
+                                stderr=subprocess.PIPE, text=True, start_new_session=True,
+                                env={**os.environ, **environment})
 
     def moment(self):
         return random.uniform(0.0, self.seconds)
@@ -169,23 +172,50 @@ def phase_of(bake, folder, before):
     return "frames" if bake.frames_in(folder) < len(bake.hashes) else "ends of files"
 
 
+class AtCalls:
+    """Kills a bake or an export before a random call that changes a file in its folder: any, or one of the last, which
+    a random moment hardly ever hits."""
+
+    LAST = 40
+
+    def __init__(self, subject):
+        folder = subject.folder_of_older() if isinstance(subject, Export) else subject.empty_folder()
+
+        def run(**environment):
+            process = subject.start(folder, **environment)
+            return subprocess.CompletedProcess(process.args, process.wait(), "", process.stderr.read())
+
+        self.calls = counted_calls(run, folder)
+        shutil.rmtree(folder)
+
+    def __call__(self, subject, folder, *more):
+        number = random.randint(random.choice((1, max(1, self.calls - self.LAST))), self.calls)
+        process = subject.start(folder, *more, **plan(folder, number, 0, "kill"))
+        text = process.communicate()[1]
+        was_killed = process.returncode == -signal.SIGKILL
+        hold(was_killed or process.returncode == DONE, "%s: exited with %d: %s" % (folder, process.returncode, text))
+        if not was_killed and os.path.exists(count_of(folder)):
+            os.remove(count_of(folder))
+        return was_killed
+
+
 class Tally:
     def __init__(self):
         self.kills = dict.fromkeys(PHASES, 0)
-        self.late = self.went_on = self.anew = 0
+        self.late = self.went_on = self.anew = self.at_calls = 0
 
     def all(self):
         return sum(self.kills.values())
 
 
-def kill_bake(bake, times, tally):
+def kill_bake(bake, kill, times, tally):
     """Kills a bake `times` times in a row, then resumes it to the end."""
     folder = bake.empty_folder()
     more = ()
     for _ in range(times):
         with Kept(folder) as kept:
             before = stamp(folder)
-            if killed_at_work(bake, folder, *more):
+            if kill(bake, folder, *more):
                 tally.kills[phase_of(bake, folder, before)] += 1
             else:
                 tally.late += 1
@@ -199,10 +229,10 @@ def kill_bake(bake, times, tally):
     shutil.rmtree(folder)
 
 
-def kill_export(export, times, tally):
+def kill_export(export, kill, times, tally):
     folder = export.folder_of_older()
     for _ in range(times):
-        if killed_at_work(export, folder):
+        if kill(export, folder):
             tally.kills["export"] += 1
         else:
             tally.late += 1
@@ -213,7 +243,8 @@ def kill_export(export, times, tally):
 
 def killed(bakes, count):
     """SIGKILL ends a bake at a random moment, several times in a row, and the bake is then resumed. It also ends
-    exports that write every format over an older export. After each kill, every file under its final name is complete,
+    exports that write every format over an older export. One kill in five comes right before a call that changes a
+    file, and half of these near the end. After each kill, every file under its final name is complete,
     no published file or frame is gone, and `fascicle verify` accepts every frame that the manifest counts. A bake that
     had a checkpoint continues from it."""
     control_of_files(bakes)
@@ -223,17 +254,23 @@ def killed(bakes, count):
     tally = Tally()
     subjects = [*bakes, export]
     most = max(1, min(4, count // len(subjects)))
+    at_calls = {subject: AtCalls(subject) for subject in (subjects if count > len(subjects) else subjects[:1])}
+    turn = 0
     while tally.all() < count:
         for subject in subjects:
-            times = min(random.randint(1, most), count - tally.all())
+            times, turn, before = min(random.randint(1, most), count - tally.all()), turn + 1, tally.all()
+            is_at_call = turn % 5 == 1 and subject in at_calls
+            kill = at_calls[subject] if is_at_call else killed_at_work
             if times > 0:
-                (kill_export if subject is export else kill_bake)(subject, times, tally)
+                (kill_export if subject is export else kill_bake)(subject, kill, times, tally)
+            tally.at_calls += tally.all() - before if is_at_call else 0
         hold(tally.late <= 20 + 5 * tally.all(),
              "hardly any were still running when killed: %d of %d" % (tally.all(), tally.all() + tally.late))
+    hold(tally.at_calls, "no kill came before a call: the library is not preloaded or does not work")
     # Enough kills that each phase must have had one.
     hold(count < 200 or all(tally.kills.values()), "a phase had no kill: %s" % tally.kills)
-    return "%d kills hit a bake at work (%s), %d more came after its end; 0 files torn or lost; %d bakes continued " \
+    return "%d kills hit a bake at work (%s), %d of them right before a call that changes a file; %d more came after its end; 0 files torn or lost; %d bakes continued " \
            "from their checkpoint, %d had none yet and started over; every file ended up with the bytes of an " \
            "uninterrupted bake or export" % (
-               tally.all(), ", ".join("%s %d" % pair for pair in tally.kills.items()), tally.late, tally.went_on,
-               tally.anew)
+               tally.all(), ", ".join("%s %d" % pair for pair in tally.kills.items()), tally.at_calls, tally.late,
+               tally.went_on, tally.anew)
