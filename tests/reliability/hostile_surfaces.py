@@ -177,7 +177,7 @@ def try_surface(inputs):
         file.write(content)
     # The default cage detail takes seconds, nearly all in the wrapping library, so only every tenth surface uses it.
     options = ("--resolution", "500", *(() if k % 10 == 9 else ("--cage-detail", "20")))
-    longest, most, text = 0.0, 0, ""
+    longest, most, text, refusal = 0.0, 0, "", ""
     for command in (["inspect", path],
                     ["bake", path, "--end", "0.05", "--device", "cpu", "--threads", "1", "-o", folder + "/out"]):
         begin = time.monotonic()
@@ -185,7 +185,9 @@ def try_surface(inputs):
                                        {**environment, "FASCICLE_CACHE_DIR": os.path.join(folder, "cache")}, folder)
         longest, most = max(longest, time.monotonic() - begin), max(most, taken)
         is_whole = status == DONE
+        hold(not (is_whole and refusal), "%s is baked, but inspect said: %s" % (os.path.basename(path), refusal))
         if not is_whole:
+            refusal = text
             hold_refusal(status, text, (FAILED, BAD_INPUT), (os.path.basename(path), "mesh", "body"))
         hold_memory(taken, len(content))
     shutil.rmtree(folder)
@@ -195,9 +197,9 @@ def try_surface(inputs):
 def surfaces(bakes, count):
     """Generated surfaces go through `inspect` and `bake`, as .obj and as binary .stl, .ply and .glb. They are open,
     self-intersecting, flat, duplicated, torn, partly inside out, huge, tiny or made of slivers; their vertices
-    coincide, are NaN, infinite or extreme, or are missing. Each is baked, or refused with one message that says what to
-    do. What takes more than 10 s must say that it is at work. Each process may use 256 MiB and 1 KiB for each
-    byte of the file."""
+    coincide, are NaN, infinite or extreme, or are missing. Each is baked, or refused with one message that says what
+    to do; what `inspect` refuses, `bake` refuses too. What takes more than 10 s must say that it is at work. Each
+    process may use 256 MiB and 1 KiB for each byte of the file."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment()
     controls(environment, root)
