@@ -277,7 +277,7 @@ def limit_files(bake):
 
 def control_of_marks(bake):
     """Controls: manifests of a bake that completed, and of one that failed for another reason."""
-    must_be_found(lambda: hold_marked(bake.folder_of_whole, errno.ENOSPC), "a manifest that says nothing of the failure")
+    must_be_found(lambda: hold_marked(bake.folder_of_whole, errno.ENOSPC), "a manifest that names no failure")
     folder = bake.empty_folder()
     with open(os.path.join(folder, "manifest.json"), "w") as file:
         json.dump({"status": "failed", "message": os.strerror(errno.EIO)}, file)

@@ -179,10 +179,10 @@ def control_of_order(log, root):
 
 def durable(bakes, count):
     """strace records the commands that write files: a bake in all formats with a cache, the same bake resumed to a
-    later end, exports into the bake and beside it, a batch, its forms for farms, a batch in parts and their merging, pictures, a
-    report, a page to view, a validation, a benchmark and the model of `inspect`. The bytes of a file are synced before
-    it gets its final name, and its folder is synced after that. Everything that a checkpoint relies on is synced before
-    the checkpoint."""
+    later end, exports into the bake and beside it, a batch, its forms for farms, a batch in parts and their merging,
+    pictures, a report, a page to view, a validation, a benchmark and the model of `inspect`. The bytes of a file are
+    synced before it gets its final name, and its folder is synced after that. Everything that a checkpoint relies on is
+    synced before the checkpoint."""
     why_not = subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True).returncode \
         if shutil.which("strace") else 1
     if why_not:

@@ -12,8 +12,9 @@ from bakes import BAD_INPUT, DONE, FAILED, PROGRAM, hold, must_be_found
 from readable import hold_readable
 from refusals import BAD_USAGE, ended, hold_refusal
 
-NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "\u061c\u200eevil\u200f", "'; touch escaped; '", "$(touch escaped)",
-         "\"quoted\"", "<b>&amp;]]>", "a" * 100000, "nul", "-rf", ".", "..", " ", "", "\ttab", "100%s%n", "{}", "\\x",
+NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "\u061c\u200eevil\u200f",
+         "'; touch escaped; '", "$(touch escaped)", "\"quoted\"", "<b>&amp;]]>", "a" * 100000, "nul", "-rf", ".", "..",
+         " ", "", "\ttab", "100%s%n", "{}", "\\x",
          "\u0085next", "name\r", "caf\u00e9", "\U0001f600", "`id`", "#{a}", "*",
          "</script><script>escaped()</script>", "\"><img src=x onerror=escaped()>", "a\"+escaped()+\"b",
          "a'+escaped()+'b",

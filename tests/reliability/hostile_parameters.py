@@ -224,9 +224,9 @@ def parameters(bakes, count):
     with forces, colliders and contact, an arm with muscles, and a bear. Each bakes 20 frames, or more until it has
     taken 200 solver steps. A fifth also bakes on the Vulkan device, where there is one. A bake either writes finite
     positions, with the same bits on both devices; or ends with 5 and says that positions burst; or is refused with one
-    message that names a key that was changed, or one in its table that conflicts with it. A bake that takes more than 10 s
-    says that it is at work, and a signal ends it. Left as they are: keys that name files, places, joints or layers, and
-    those that set the number of vertices (`load` has many)."""
+    message that names a key that was changed, or one in its table that conflicts with it. A bake that takes more than
+    10 s says that it is at work, and a signal ends it. Left as they are: keys that name files, places, joints or
+    layers, and those that set the number of vertices (`load` has many)."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment(TMPDIR=root)
     schema = json.loads(subprocess.run([PROGRAM, "schema"], capture_output=True, text=True, check=True).stdout)
@@ -265,7 +265,7 @@ def parameters(bakes, count):
     least = max(1, count // 16) if count >= 50 else 1
     hold(not vulkan or compared >= least, "only %d of %d were compared on Vulkan" % (compared, count))
     shutil.rmtree(root)
-    on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "NOT TESTED: there is no Vulkan device to compare with"
+    on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "NOT TESTED: there is no Vulkan device"
     return "%d scenes: %d stayed finite, %d of these for %d solver steps or more (the median took %d); %d were " \
            "refused by name, %d reported that they burst, %d were long, said so and were stopped; %s" % (
                count, finite, sum(n >= STEPS for n in steps), STEPS, sorted(steps)[finite // 2], refused, burst,

@@ -269,8 +269,8 @@ def killed(bakes, count):
     hold(tally.at_calls, "no kill came before a call: the library is not preloaded or does not work")
     # Enough kills that each phase must have had one.
     hold(count < 200 or all(tally.kills.values()), "a phase had no kill: %s" % tally.kills)
-    return "%d kills hit a bake at work (%s), %d of them right before a call that changes a file; %d more came after its end; 0 files torn or lost; %d bakes continued " \
-           "from their checkpoint, %d had none yet and started over; every file ended up with the bytes of an " \
-           "uninterrupted bake or export" % (
+    return "%d kills hit a bake at work (%s), %d of them right before a call that changes a file; %d more came after " \
+           "its end; 0 files torn or lost; %d bakes continued from their checkpoint, %d had none yet and started " \
+           "over; every file ended up with the bytes of an uninterrupted bake or export" % (
                tally.all(), ", ".join("%s %d" % pair for pair in tally.kills.items()), tally.at_calls, tally.late,
                tally.went_on, tally.anew)

@@ -42,9 +42,9 @@ def hold_clean(command, environment, log):
 
 
 def memory(bakes, count):
-    """Valgrind runs `inspect` and `bake` of a small character and of a bar on the CPU, at each CPU level that Valgrind knows,
-    then `verify` and an export in every format. It may find no invalid access, no branch on an unset value and no
-    leak."""
+    """Valgrind runs `inspect` and `bake` of a small character and of a bar on the CPU, at each CPU level that Valgrind
+    knows, then `verify` and an export in every format. It may find no invalid access, no branch on an unset value and
+    no leak."""
     hold(shutil.which("valgrind"), "valgrind is not installed (Debian: valgrind)")
     root = bakes[0].empty_folder()
     log = os.path.join(root, "log")

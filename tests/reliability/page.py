@@ -24,8 +24,9 @@ and all files are compared again.
 
 Each row first proves that its checks can fail. It runs them against a careless program, or what one would leave: half
 a file, a file that has its name before its bytes, a bake that starts over where it should resume, an ignored signal, a
-hidden disk error, a missing sync, an abandoned child process, a socket, an error message that does not help, ten seconds
-of silence, a slowing pace, or a leak. The checks must report it. A row is listed here only if everything it checks held.
+hidden disk error, a missing sync, an abandoned child process, a socket, an error message that does not help, ten
+seconds of silence, a slowing pace, or a leak. The checks must report it. A row is listed here only if everything it
+checks held.
 
 CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzing](fuzzing.md).
 

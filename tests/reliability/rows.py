@@ -164,8 +164,8 @@ def batches_stopped(bakes, count):
         hold(done.returncode == DONE, "%s: --resume exited with %d: %s" % (folder, done.returncode, done.stderr))
         hold(files_of(folder) == expected, folder + ": bytes differ")
         shutil.rmtree(folder)
-    return "%d batches, %d of which had bakes yet to start; no child survived, and each batch was resumed to the same " \
-           "bytes" % (count, at_work)
+    return "%d batches, %d of which had bakes yet to start; no child survived, and each batch was resumed to the " \
+           "same bytes" % (count, at_work)
 
 
 def damages(content, count):
