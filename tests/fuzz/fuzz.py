@@ -74,16 +74,16 @@ number causes, a leak, a signed overflow, an endless loop and 600 MiB at once.
 
 Files are at most as long as the table says, because the fuzzer tries short files much faster. No seed is longer.
 `test_fuzz`, which any compiler builds, reads the seeds and all earlier finds, damages them by fixed rules, and extends
-them to 1 MiB, where a reader may take %d s and %d MiB of C++ memory. CI runs it, but not the fuzzer itself, whose build
-alone takes longer than CI may.
+them to 1 MiB, where a reader may take %d s and %d MiB of C++ memory. CI runs it, but not the fuzzer itself, whose
+build alone takes longer than CI may.
 
 | target | what it reads | files | at most | time | processes | files/s | peak memory | slowest | flaws | commit |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
 Each line is the last run of its target, on %s, with %s. The peak memory is that of one process.
 `./do fuzz --write` updates this page; `./do fuzz TARGET... --runs 10000000 --processes 8` runs targets for longer, each
-in eight processes, which share what they find. Such a run may be stopped: it goes on where it was, unless the
-target was built anew. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads it in every build.
+in eight processes, which share what they find. Such a run may be stopped: it goes on where it was, unless the target
+was built anew. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads it in every build.
 """
 
 
