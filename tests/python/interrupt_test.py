@@ -21,21 +21,17 @@ fascicle.bake("bar-layers-i", sys.argv[1], device="cpu", threads=1, cache="", pr
 
 
 # A daemon thread is at work when the program ends: in a bake that tells its progress, in one that tells nothing, in a
-# solver, in a callback that takes its time, and in a callback that uses a solver. Or it starts a bake after the end has
-# begun.
+# solver, in a callback that takes its time, and in a callback that uses a solver.
 DAEMON = """
 import atexit, json, os, sys, threading, time
 way, folder = sys.argv[1:]
 # Handlers run in reverse order: this one after the module's own, which waits for the work to end.
 @atexit.register
 def say_how_it_ended():
-    if way == "late":
-        ends.set()
-        time.sleep(0.5)
     if os.path.exists(folder):
         print(json.load(open(folder + "/manifest.json"))["status"])
 import fascicle
-at_work, ends = threading.Event(), threading.Event()
+at_work = threading.Event()
 def solver():
     model = fascicle.Model(fascicle.Scene("bar-layers-i", end=100), cache="")
     made = fascicle.Solver(model, fascicle.Device("cpu", 1))
@@ -56,10 +52,6 @@ def work():
         at_work.set()
         while True:
             alone.step_clip()
-    if way == "late":
-        at_work.set()
-        while not ends.is_set():
-            pass
     fascicle.bake("bar-layers-i", folder, device="cpu", threads=1, cache="", end=1000,
                   progress=None if way == "silent" else told)
 threading.Thread(target=work, daemon=True).start()
@@ -73,10 +65,10 @@ else:
 
 class End(InFolder):
     def test_of_the_interpreter_ends_threads_at_work(self):
-        for way in ("told", "silent", "solver", "slow", "within", "late"):
+        for way in ("told", "silent", "solver", "slow", "within"):
             ran = subprocess.run([sys.executable, "-c", DAEMON, way, self.path(way)], capture_output=True, text=True,
                                  timeout=60)
-            said = "" if way in ("solver", "late") else "interrupted\n"
+            said = "" if way == "solver" else "interrupted\n"
             self.assertEqual((ran.returncode, ran.stdout, ran.stderr), (0, said, ""), way)
 
     def test_of_a_forked_worker_leaves_its_parents_solver_alone(self):
