@@ -13,6 +13,7 @@ every check, and one with it passes all.
 """
 import json
 import pathlib
+import platform
 import re
 import shlex
 import subprocess
@@ -47,24 +48,36 @@ def names_path(data, path):
     return re.search(rb"(?<![\w./-])" + re.escape(str(path).encode()) + b"/", data) is not None
 
 
-def faults_of_command(command):
+def wanted_flags(compiler):
+    """[(pattern of a flag's forms, the form wanted)]; -fcf-protection exists only on x86."""
+    flags = [("-[DU]_FORTIFY_SOURCE.*", "-D_FORTIFY_SOURCE=2"),
+             ("-f(no-)?stack-protector.*", "-fstack-protector-strong")]
+    for name in ("stack-clash-protection", "cf-protection"):
+        if subprocess.run([compiler, "-Werror", f"-f{name}", "-x", "c", "-c", "-o", "/dev/null", "/dev/null"],
+                          capture_output=True).returncode == 0:
+            flags.append((f"-f(no-)?{name}.*", f"-f{name}"))
+        elif platform.machine() == "x86_64":
+            sys.exit(f"{compiler} does not know -f{name}")
+    return flags
+
+
+def faults_of_command(command, flags):
     """The flags that a compile command lacks or undoes."""
     words = shlex.split(command)
     last = lambda pattern: next((word for word in reversed(words) if re.fullmatch(pattern, word)), "none")
-    return [f"{last(pattern)}, not {wanted}" for pattern, wanted in
-            (("-[DU]_FORTIFY_SOURCE.*", "-D_FORTIFY_SOURCE=2"),
-             ("-f(no-)?stack-protector.*", "-fstack-protector-strong"))
+    return [f"{last(pattern)}, not {wanted}" for pattern, wanted in flags
             if last(pattern) != wanted] + ["-O0"] * (last("-O.*") in ("none", "-O0"))
 
 
-def faults_of_commands(commands):
+def faults_of_commands(commands, flags):
     """Checks all compile commands except those of tests, by their object folders."""
     faults, count = [], 0
     for entry in commands:
         name = re.search(r" -o (\S+)", entry["command"])[1]
         if not name.startswith("tests/"):
             count += 1
-            faults += [f"{entry['file']} is compiled with {words}" for words in faults_of_command(entry["command"])]
+            faults += [f"{entry['file']} is compiled with {words}"
+                       for words in faults_of_command(entry["command"], flags)]
     return faults or ([] if count else ["no command but those of tests"])
 
 
@@ -101,38 +114,38 @@ def faults_of(file, sources):
     return faults
 
 
-def check_controls(compiler):
+def check_controls(compiler, flags):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         source, program = folder / "tiny.c", folder / "tiny"
         mapped = f"-ffile-prefix-map={folder}=."
         library = [flag for flag in HARD if flag not in ("-fPIE", "-pie", "-D_FORTIFY_SOURCE=2")] + ["-fPIC", "-shared"]
         # Only a statically linked program can have code and data in one segment.
-        for text, flags, wanted in ((TINY, SOFT, ALL - {"segments"}), (TINY, (*HARD, mapped), set()),
-                                    (TINY, (*library, mapped), {"sizes"}),
-                                    (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sources"})):
+        for text, options, wanted in ((TINY, SOFT, ALL - {"segments"}), (TINY, (*HARD, mapped), set()),
+                                      (TINY, (*library, mapped), {"sizes"}),
+                                      (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sources"})):
             source.write_text(text)
-            subprocess.run([compiler, "-x", "c", *flags, str(source), "-o", str(program)], check=True,
+            subprocess.run([compiler, "-x", "c", *options, str(source), "-o", str(program)], check=True,
                            capture_output=True)
             found = faults_of(program, folder)
             if set(found) != wanted:
-                sys.exit(f"the control with {' '.join(flags)}: found {sorted(found)}, not {sorted(wanted)}")
-
-
+                sys.exit(f"the control with {' '.join(options)}: found {sorted(found)}, not {sorted(wanted)}")
     for data, is_named in ((b"\0/src/init.c", True), (b"\0../../src/init.c", False), (b"\0/src2/init.c", False)):
         if names_path(data, "/src") != is_named:
             sys.exit(f"the control with {data}: it must {'' if is_named else 'not '}be a path in /src")
-    hard = "c++ -O2 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong -o host/a.o -c a.cpp"
+    hard = f"c++ -O2 -U_FORTIFY_SOURCE {' '.join(wanted for _, wanted in flags)} -o host/a.o -c a.cpp"
     for command, count in ((hard, 0), (hard.replace("=2", "=1"), 1), (hard + " -U_FORTIFY_SOURCE", 1),
-                           (hard + " -fno-stack-protector -O0", 2), ("c++ -o host/a.o -c a.cpp", 3),
+                           (hard + " -fno-stack-protector -O0", 2), ("c++ -o host/a.o -c a.cpp", 1 + len(flags)),
+                           *((hard.replace(wanted, ""), 1) for _, wanted in flags),
                            (hard.replace("host/", "tests/"), 1)):
-        if len(faults_of_commands([{"file": "a.cpp", "command": command}])) != count:
+        if len(faults_of_commands([{"file": "a.cpp", "command": command}], flags)) != count:
             sys.exit(f"the control with {command}: not {count} faults")
 
 
 def main(compiler, sources, commands, files):
-    check_controls(compiler)
-    faults = faults_of_commands(json.loads(pathlib.Path(commands).read_text()))
+    flags = wanted_flags(compiler)
+    check_controls(compiler, flags)
+    faults = faults_of_commands(json.loads(pathlib.Path(commands).read_text()), flags)
     faults += [f"{file} {words}" for file in files for words in faults_of(file, sources).values()]
     print("\n".join(faults) or f"{len(files)} files are hardened")
     return 1 if faults else 0
