@@ -167,7 +167,11 @@ TEST(FibreField, TakesOpposedDirectionsForLinesThatLieClose) {
   EXPECT_GT(lines.rounds, 1u);
   // The equations contain second differences and may overshoot a step by a few degrees.
   EXPECT_GT(least_along_x(lines), std::cos(1.5 * tilt));
-  EXPECT_LT(least_along_x(solve(mesh, constraints, {.most_rounds = 1})), std::cos(2.0 * tilt));
+  const FibreSolution printed = solve(mesh, constraints, {.most_rounds = 1});
+  EXPECT_LT(least_along_x(printed), std::cos(2.0 * tilt));
+  // The iterations of all rounds are counted.
+  EXPECT_GT(printed.iterations, 0u);
+  EXPECT_GT(lines.iterations, printed.iterations);
 }
 
 TEST(FibreField, IsNothingWhereNothingIsSaid) {
@@ -250,6 +254,21 @@ TEST(FibreConstraints, FollowTheBoneInsideAndTheSkinOutside) {
   }
   EXPECT_GT(inside, 10u);
   EXPECT_GT(flat, 100u);
+}
+
+// Joint 0 is in the middle of this chain, and its bone is listed last. Each bone after the first points back,
+// and is turned to agree with the one before it.
+TEST(FibreConstraints, TurnBonesAlongTheirChainInAnyOrder) {
+  const scene::Scene scene = boned_bar();
+  build::Body body = body_of(scene);
+  const Vector3d a(0.0, 0.04, 0.04), b(0.2, 0.04, 0.04), c(0.3, 0.04, 0.04), d(0.4, 0.04, 0.04);
+  body.bones = {{d, c, {1, 0, -1}}, {a, b, {2, -1, 0}}, {c, b, {0, 2, 1}}};
+  build::Measures measures(body);
+  const std::vector<std::uint32_t> layer_of(body.mesh.vertices.size(), 1u);
+  const std::vector<FibreConstraint> constraints = build::fibre_constraints(scene, layer_of, 0.02, measures);
+  ASSERT_EQ(constraints.size(), layer_of.size());
+  for (const FibreConstraint& constraint : constraints)
+    EXPECT_EQ(constraint.direction, Vector3d(1, 0, 0)) << body.mesh.vertices[constraint.vertex].transpose();
 }
 
 TEST(FibreConstraints, FollowDrawnCurves) {

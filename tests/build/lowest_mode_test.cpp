@@ -117,6 +117,24 @@ TEST(LowestMode, DoesNotDependOnThreads) {
   EXPECT_EQ(alone, by_two);
 }
 
+// The pull on a vertex is the sum of its shares of the regions that hold it, the first and the last vertex
+// included. A sum of about 15 terms rounds in the last digits.
+TEST(RegionStiffness, SharesSumToThePullOnAVertex) {
+  HeldBody body(jittered_bar({7, 5, 5}));
+  for (std::size_t r = 0; r < body.k.size(); ++r) body.k[r] = 1.0 + 0.01 * static_cast<double>(r);
+  const build::RegionStiffness stiffness(body.elastic(), body.is_free, 1);
+  std::vector<double> sum(stiffness.size(), 0.0);
+  for (std::size_t r = 0; r < stiffness.size(); ++r)
+    stiffness.for_each_member(r, [&](std::size_t i, double w, const Vector3d&) { sum[i] += w; });
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    double expected = body.k[i];
+    for (const std::uint32_t r : body.rings[i]) expected += body.k[r];
+    expected *= body.model.mass[i];
+    EXPECT_NEAR(stiffness.diagonal(i), expected, 1e-12 * expected) << i;
+    EXPECT_NEAR(sum[i], expected, 1e-12 * expected) << i;
+  }
+}
+
 double energy(const build::CubeGrid& grid, const std::vector<Vector3d>& x) {
   double sum = 0.0;
   for (std::size_t k = 0; k < grid.place.size(); ++k)
