@@ -1,5 +1,8 @@
 // Numbers too small to use: an alpha below 2^-40 becomes zero, and regions with almost no moment are
 // reported.
+#include <array>
+#include <variant>
+
 #include <gtest/gtest.h>
 
 #include "tests/build/scenes.h"
@@ -39,6 +42,23 @@ TEST(SmallNumbers, RegionsThatNeverTurnAreNamed) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].vertices, (std::vector<std::uint32_t>{4, 5, 6, 7}));
   EXPECT_EQ(warnings[0].text.find("4 vertices lie"), 0u) << warnings[0].text;
+}
+
+// The build numbers vertices by place, and the file as it likes; the list is in the file's order.
+TEST(SmallNumbers, RegionsThatNeverTurnAreNamedInTheFilesOrder) {
+  scene::Scene scene = two_tetrahedra(0x1p-9);
+  auto& mesh = std::get<mesh::TetMesh>(scene.geometry);
+  for (std::array<std::uint32_t, 4> order :
+       {std::array{7u, 4u, 6u, 5u}, {5u, 7u, 4u, 6u}, {6u, 5u, 7u, 4u}}) {
+    const std::vector<scene::Vector3d> before = mesh.vertices;
+    for (std::size_t k = 0; k < 4; ++k) mesh.vertices[order[k]] = before[4 + k];
+    mesh.tetrahedra[1] = order;
+    const auto warnings = stillness_warnings(scene);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0].vertices, (std::vector<std::uint32_t>{4, 5, 6, 7}));
+    EXPECT_NE(warnings[0].text.find("(vertex 4, 5, 6, 7)"), std::string::npos) << warnings[0].text;
+    mesh.vertices = before;
+  }
 }
 
 TEST(SmallNumbers, RegionsThatTurnAreNot) {

@@ -232,13 +232,15 @@ TEST(Ties, ASheetIsAsStiffAsTheOraclesAndFinite) {
   scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = 3e3;
   scene.layers[1].youngs_modulus = 3.5e4;
-  for (const double bend : {0.0, 0.3}) {
-    // The second sheet is curved: the bar is bent into an arch.
+  for (const auto [bend, slope] : {std::array{0.0, 0.0}, {0.3, 0.0}, {0.3, 0.2}}) {
+    // The second sheet is curved: the bar is bent into an arch. The third is also curved across, and its
+    // normals have no coordinate that is 0.
     mesh::TetMesh mesh;
     const Model flat = build_quietly(skin_scene());
     for (std::uint32_t i = 0; i < flat.vertex_count; ++i) {
-      const double x = double{flat.rest[3 * i]} * flat.unit, y = double{flat.rest[3 * i + 1]} * flat.unit;
-      mesh.vertices.emplace_back(x, y - bend * x * x / 0.2, double{flat.rest[3 * i + 2]} * flat.unit);
+      const Vector3d p = Vector3d(flat.rest[3 * i], flat.rest[3 * i + 1], flat.rest[3 * i + 2]) * flat.unit;
+      const double drop = bend * p[0] * p[0] / 0.2 + slope * (p[2] + 10.0 * p[2] * p[2]);
+      mesh.vertices.push_back(p - Vector3d(0.0, drop, 0.0));
     }
     for (std::size_t t = 0; t < flat.tetrahedron.size(); t += 4)
       mesh.tetrahedra.push_back(
