@@ -1,16 +1,12 @@
 #include "host/base/json_text.h"
 
 #include <array>
+#include <cassert>
 
 namespace fascicle::base {
 
-namespace {
-
-constexpr unsigned deepest_nesting = 64;
-
-}  // namespace
-
-std::string_view shallow_json(std::string_view text, unsigned most_keys) {
+std::string_view shallow_json(std::string_view text, unsigned most_keys, unsigned deepest) {
+  assert(deepest <= deepest_nesting);
   std::array<unsigned, deepest_nesting + 1> keys{};  // of the innermost object at each level
   unsigned level = 0;
   bool is_in_string = false;
@@ -24,7 +20,7 @@ std::string_view shallow_json(std::string_view text, unsigned most_keys) {
     } else if (c == '"') {
       is_in_string = true;
     } else if (c == '[' || c == '{') {
-      if (++level > deepest_nesting) return {};
+      if (++level > deepest) return {};
       keys[level] = 0;
     } else if (c == ':') {
       if (++keys[level] > most_keys) return {};

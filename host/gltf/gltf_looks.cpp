@@ -48,7 +48,11 @@ class LooksReader {
   const json& list(const char* name) const { return json_member(document_, name); }
 
   const json& primitive_of(const RigPart& part) const {
-    return document_["meshes"][part.mesh]["primitives"][part.primitive];
+    try {
+      return document_.at("meshes").at(part.mesh).at("primitives").at(part.primitive);
+    } catch (const json::exception&) {
+      throw base::SceneError(path_.string() + ": has changed while it was read; try again");
+    }
   }
 
   LookMaterial read_look(const json& source) {

@@ -41,25 +41,28 @@ std::size_t png_bits(std::span<const unsigned char> bytes) {
   return channels * bytes[depth_at];
 }
 
-DecodedImage decode_png(std::span<const unsigned char> bytes) {
-  DecodedImage image;
+// Opens a PNG; returns why it cannot be read, with nothing left open, or an empty text.
+std::string open_png(png_image& png, std::span<const unsigned char> bytes) {
   // The simplified interface reports errors by value.
-  png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) {
-    image.flaw = std::string("is not a readable PNG: ") + png.message;
-    return image;
-  }
+  if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0)
+    return std::string("is not a readable PNG: ") + png.message;
+  std::string flaw;
   if (!fits(png.width, png.height)) {
-    image.flaw = too_large(png.width, png.height);
+    flaw = too_large(png.width, png.height);
   } else if (std::size_t{png.width} * png.height / 8 * png_bits(bytes) / most_inflated_per_byte >
              bytes.size()) {
-    image.flaw = too_short(png.width, png.height, bytes.size());
+    flaw = too_short(png.width, png.height, bytes.size());
   }
-  if (!image.flaw.empty()) {
-    png_image_free(&png);
-    return image;
-  }
+  if (!flaw.empty()) png_image_free(&png);
+  return flaw;
+}
+
+DecodedImage decode_png(std::span<const unsigned char> bytes) {
+  DecodedImage image;
+  png_image png{};
+  image.flaw = open_png(png, bytes);
+  if (!image.flaw.empty()) return image;
   png.format = PNG_FORMAT_RGBA;
   Texels texels{png.width, png.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
   if (png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) == 0) {
@@ -130,43 +133,82 @@ bool read_jpeg(JpegReader& reader, std::uint8_t* rgba) {
   return true;
 }
 
+// Why a JPEG whose header was read, or was not, is refused.
+std::string flaw_of_jpeg(JpegReader& reader, bool is_read, std::size_t bytes) {
+  const std::size_t width = reader.jpeg.image_width, height = reader.jpeg.image_height;
+  if (!is_read && reader.errors.has_many_scans)
+    return "has too many scans for a picture of this size; save it as baseline JPEG";
+  if (!is_read) {
+    (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
+                                            reader.message.data());
+    return std::string("is not a readable JPEG: ") + reader.message.data();
+  }
+  if (!fits(width, height)) return too_large(width, height);
+  if (reader.jpeg.arith_code == 0 && width * height / most_jpeg_texels_per_byte > bytes)
+    return too_short(width, height, bytes);
+  return "";
+}
+
 DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
   DecodedImage image;
   JpegReader reader;
   Texels texels;
-  bool is_read = open_jpeg(reader, bytes);
-  const std::size_t width = reader.jpeg.image_width, height = reader.jpeg.image_height;
-  if (is_read && !fits(width, height)) {
-    image.flaw = too_large(width, height);
-  } else if (is_read && reader.jpeg.arith_code == 0 &&
-             width * height / most_jpeg_texels_per_byte > bytes.size()) {
-    image.flaw = too_short(width, height, bytes.size());
-  } else if (is_read) {
-    texels = {static_cast<unsigned>(width), static_cast<unsigned>(height),
-              std::vector<std::uint8_t>(4 * width * height)};
-    is_read = read_jpeg(reader, texels.values.data());
-  }
-  if (!is_read && reader.errors.has_many_scans) {
-    image.flaw = "has too many scans for a picture of this size; save it as baseline JPEG";
-  } else if (!is_read) {
-    (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
-                                            reader.message.data());
-    image.flaw = std::string("is not a readable JPEG: ") + reader.message.data();
-  } else if (image.flaw.empty()) {
-    if (reader.errors.manager.num_warnings > 0)
-      image.flaw = "is a damaged JPEG; what can be read of it is drawn";
-    image.texels = std::move(texels);
+  image.flaw = flaw_of_jpeg(reader, open_jpeg(reader, bytes), bytes.size());
+  if (image.flaw.empty()) {
+    const unsigned width = reader.jpeg.image_width, height = reader.jpeg.image_height;
+    texels = {width, height, std::vector<std::uint8_t>(std::size_t{4} * width * height)};
+    image.flaw = flaw_of_jpeg(reader, read_jpeg(reader, texels.values.data()), bytes.size());
+    if (image.flaw.empty()) {
+      if (reader.errors.manager.num_warnings > 0)
+        image.flaw = "is a damaged JPEG; what can be read of it is drawn";
+      image.texels = std::move(texels);
+    }
   }
   jpeg_destroy_decompress(&reader.jpeg);
   return image;
 }
 
+bool is_png(std::span<const unsigned char> bytes) {
+  return bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0;
+}
+
+bool is_jpeg(std::span<const unsigned char> bytes) {
+  return bytes.size() > 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0;
+}
+
+constexpr const char* neither = "is neither PNG nor JPEG";
+
 }  // namespace
 
+ImageHeader image_header(std::span<const unsigned char> bytes) {
+  ImageHeader header;
+  if (is_png(bytes)) {
+    png_image png{};
+    header.flaw = open_png(png, bytes);
+    if (!header.flaw.empty()) return header;
+    header.width = png.width;
+    header.height = png.height;
+    header.type = "image/png";
+    png_image_free(&png);
+  } else if (is_jpeg(bytes)) {
+    JpegReader reader;
+    header.flaw = flaw_of_jpeg(reader, open_jpeg(reader, bytes), bytes.size());
+    if (header.flaw.empty()) {
+      header.width = reader.jpeg.image_width;
+      header.height = reader.jpeg.image_height;
+      header.type = "image/jpeg";
+    }
+    jpeg_destroy_decompress(&reader.jpeg);
+  } else {
+    header.flaw = neither;
+  }
+  return header;
+}
+
 DecodedImage decode_image(std::span<const unsigned char> bytes) {
-  if (bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0) return decode_png(bytes);
-  if (bytes.size() > 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0) return decode_jpeg(bytes);
-  return {{}, "is neither PNG nor JPEG"};
+  if (is_png(bytes)) return decode_png(bytes);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes);
+  return {{}, neither};
 }
 
 }  // namespace fascicle::render

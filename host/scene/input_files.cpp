@@ -86,6 +86,13 @@ std::string hash_of(std::string_view bytes) {
   return base::hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
+std::string hash_of(std::span<const std::string_view> texts) {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  for (const std::string_view text : texts) XXH3_64bits_update(state.get(), text.data(), text.size());
+  return base::hash_text(XXH3_64bits_digest(state.get()));
+}
+
 bool reads_as_character(const std::filesystem::path& path, const std::filesystem::path& converter) {
   const std::string extension = base::lower_extension(path);
   return extension == ".glb" || extension == ".gltf" || extension == ".vrm" ||

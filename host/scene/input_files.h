@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -20,8 +21,9 @@ struct InputFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// XXH3-64, 16 hex digits.
+// XXH3-64, 16 hex digits. That of several texts is the hash of all one after the other.
 std::string hash_of(std::string_view bytes);
+std::string hash_of(std::span<const std::string_view> texts);
 
 // Decides by the file name: glTF, or a convertible format if a converter is available. An empty `converter`,
 // here and below, means to look for one.

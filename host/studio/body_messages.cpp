@@ -13,6 +13,7 @@
 #include "host/gltf/gltf_rig.h"
 #include "host/model/surroundings.h"
 #include "host/render/colour.h"
+#include "host/render/decode_image.h"
 #include "host/render/model_surface.h"
 #include "host/scene/solids.h"
 #include "host/studio/wire.h"
@@ -20,20 +21,12 @@
 namespace fascicle::studio {
 namespace {
 
-// Limits on all textures together: bytes and number.
+// Limits on all textures together: bytes, number, and what the browser decodes, 4 bytes each.
 constexpr std::size_t most_texture_bytes = std::size_t{128} << 20, most_textures = 128;
+constexpr std::size_t most_texels = std::size_t{1} << 28;
 constexpr std::size_t most_places = 64;  // per warning
 // Where an array's message stores the number of the body with which it was first sent.
 constexpr std::size_t body_offset = 4, body_bytes = 4;
-
-std::string image_type(const std::vector<unsigned char>& bytes) {
-  constexpr std::array<unsigned char, 8> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr std::array<unsigned char, 3> jpeg{0xff, 0xd8, 0xff};
-  const auto begins = [&](auto magic) {
-    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-  };
-  return begins(png) ? "image/png" : begins(jpeg) ? "image/jpeg" : "";
-}
 
 const char* wrap_name(gltf::TextureWrap wrap) {
   return wrap == gltf::TextureWrap::clamp ? "clamp" : wrap == gltf::TextureWrap::mirror ? "mirror" : "repeat";
@@ -114,21 +107,24 @@ bool has_same_items(const std::string& a, const std::string& b) {
 
 void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLooks& looks,
                        std::vector<std::int32_t>& numbers, const pipeline::Say& say) {
-  std::size_t bytes = 0;
+  std::size_t bytes = 0, texels = 0;
   for (const gltf::LookTexture& texture : read.textures) {
     numbers.push_back(-1);
-    const std::string type = image_type(*texture.bytes);
-    bytes += texture.bytes->size();
-    if (type.empty() || bytes > most_texture_bytes || looks.images.size() == most_textures) {
+    render::ImageHeader picture = render::image_header(*texture.bytes);
+    if (picture.flaw.empty() &&
+        (bytes + texture.bytes->size() > most_texture_bytes || looks.images.size() == most_textures ||
+         texels + picture.width * picture.height > most_texels))
+      picture.flaw = "exceeds the studio's limit on textures";
+    if (!picture.flaw.empty()) {
       pipeline::say_warning(
-          say, file + ": " + texture.name +
-                   (type.empty() ? " is neither PNG nor JPEG" : " exceeds the studio's limit on textures") +
-                   "; its surface gets its plain colour");
+          say, file + ": " + texture.name + " " + picture.flaw + "; its surface gets its plain colour");
       continue;
     }
+    bytes += texture.bytes->size();
+    texels += picture.width * picture.height;
     numbers.back() = static_cast<std::int32_t>(looks.images.size());
     looks.textures.push_back({{"name", texture.name},
-                              {"type", type},
+                              {"type", picture.type},
                               {"wrap", {wrap_name(texture.across), wrap_name(texture.down)}}});
     looks.images.push_back(std::make_shared<const std::string>(texture.bytes->begin(), texture.bytes->end()));
   }

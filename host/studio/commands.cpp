@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 
 #include "host/bake/options.h"
 #include "host/base/json_text.h"
@@ -13,7 +14,7 @@
 namespace fascicle::studio {
 namespace {
 
-constexpr int deepest = 16;
+constexpr unsigned deepest = 16;
 constexpr std::size_t most_changes = 256, most_formats = 32, longest_text = 4096, longest_name = 64;
 constexpr double farthest = 1e6;  // m, N
 constexpr double slowest = 0.01, fastest = 4.0;
@@ -40,14 +41,13 @@ std::string hint(const std::array<std::string_view, count>& names, const std::st
 }
 
 Json parse_json(std::string_view text) {
-  const auto bounded = [](int depth, Json::parse_event_t, Json&) {
-    if (depth > deepest) throw BadMessage("nested deeper than " + std::to_string(deepest) + " levels");
-    return true;
-  };
+  constexpr unsigned any_number = std::numeric_limits<unsigned>::max();
+  if (!text.empty() && base::shallow_json(text, any_number, deepest).empty())
+    throw BadMessage("nested deeper than " + std::to_string(deepest) + " levels");
   try {
     // The session waits while a message is read, so an object's keys, each compared with all before it, must
     // be few.
-    return Json::parse(base::shallow_json(text, most_keys), bounded);
+    return Json::parse(base::shallow_json(text, most_keys));
   } catch (const Json::exception&) {
     throw BadMessage("not valid JSON, or too large an object");
   }

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -257,7 +258,7 @@ class Session {
 };
 
 // The hash of a scene's text and its paints.
-std::string hash_of_all(std::string text, const Paints& paints);
+std::string hash_of_all(std::string_view text, const Paints& paints);
 // The name of a character's paint file for a scene called `stem`. `key`: the key that names the file.
 std::string paint_name_of(const std::string& stem, const std::string& key);
 

@@ -107,10 +107,12 @@ std::string Session::text_in_folder(const std::map<std::string, std::string>& pa
   return changes.empty() ? history_->text() : scene::change_text(history_->text(), source_, changes).text;
 }
 
-// Names of the paint files for a scene called `stem`, by key.
+// Names of the paint files for a scene called `stem`, by key. A session from elsewhere may hold paint that
+// the scene does not name: nothing has read it, and it is not written.
 std::map<std::string, std::string> Session::paint_names(const std::string& stem) const {
   std::map<std::string, std::string> names;
-  for (const auto& [key, text] : history_->paints()) names[key] = paint_name_of(stem, key);
+  for (const auto& [key, file] : paint_files(tables_))
+    if (history_->paints().contains(key)) names[key] = paint_name_of(stem, key);
   return names;
 }
 

@@ -10,6 +10,7 @@
 #include "host/base/file.h"
 #include "host/base/json_number.h"
 #include "host/base/json_text.h"
+#include "host/scene/paint_file.h"
 #include "host/scene/scene_json.h"
 #include "host/studio/commands.h"
 #include "host/studio/scene_keys.h"
@@ -24,6 +25,9 @@ namespace {
 constexpr int version = 2;
 constexpr const char* version_key = "fascicle_studio";
 constexpr auto pace = std::chrono::milliseconds(100);
+// Painted characters in a step. The file may be a stranger's: many keys can name one large paint, and each
+// key of an object is compared with all before it.
+constexpr unsigned most_painted = 256;
 
 // "character.paint" or "character.NAME.paint".
 bool names_a_paint(std::string_view key) {
@@ -70,7 +74,7 @@ std::string session_text(const SessionRecord& record) {
 
 std::optional<SessionRecord> parse_session(const std::string& text, const std::string& own_file) {
   try {
-    const Json json = Json::parse(base::shallow_json(text));
+    const Json json = Json::parse(base::shallow_json(text, most_painted));
     if (json.at(version_key) != version) return std::nullopt;
     SessionRecord record;
     record.source = json.at("source").get<std::string>();
@@ -83,8 +87,10 @@ std::optional<SessionRecord> parse_session(const std::string& text, const std::s
     record.saved_text = json.at("saved_text").get<std::string>();
     record.saved_paints = json.value("saved_paints", record.saved_paints);
     std::vector<PaintText> paints;
-    for (const Json& paint : json.value("paints", Json::array()))
+    for (const Json& paint : json.value("paints", Json::array())) {
       paints.push_back(std::make_shared<const std::string>(paint.get<std::string>()));
+      if (paints.back()->size() > scene::most_paint_bytes) return std::nullopt;
+    }
     for (const Json& step : json.at("steps")) {
       // Sessions of older programs do not say what was built.
       record.steps.push_back({step.at("label").get<std::string>(),

@@ -3,7 +3,9 @@
 #include <map>
 #include <span>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "host/scene/input_files.h"
 #include "host/scene/paint_file.h"
@@ -51,9 +53,11 @@ Paints Session::paints_after(const std::vector<scene::EditedTable>& after) const
   return paints;
 }
 
-std::string hash_of_all(std::string text, const Paints& paints) {
-  for (const auto& [key, paint] : paints) text += *paint;
-  return scene::hash_of(text);
+// Without a copy: paints of many megabytes may be shared by many characters.
+std::string hash_of_all(std::string_view text, const Paints& paints) {
+  std::vector<std::string_view> texts{text};
+  for (const auto& [key, paint] : paints) texts.push_back(*paint);
+  return scene::hash_of(texts);
 }
 
 // Of the current text and paint.

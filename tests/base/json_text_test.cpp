@@ -28,6 +28,11 @@ TEST(JsonText, DeeperIsNoJson) {
       nlohmann::ordered_json::parse(base::shallow_json(nested(1000000)), nullptr, false).is_discarded());
 }
 
+TEST(JsonText, TheDepthCanBeChosen) {
+  EXPECT_EQ(base::shallow_json(nested(16), 10, 16), nested(16));
+  EXPECT_TRUE(base::shallow_json(nested(17), 10, 16).empty());
+}
+
 // Ten thousand keys take a second; a million would take hours.
 TEST(JsonText, AnObjectWithTooManyKeysIsNoJson) {
   const auto object = [](int keys) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/errors.h"
 #include "host/gltf/gltf_images.h"
 #include "host/gltf/gltf_looks.h"
 #include "host/gltf/gltf_rig.h"
@@ -102,6 +103,20 @@ TEST(GltfMaterial, FaultsCountAsAbsent) {
   EXPECT_EQ(material.alpha_cutoff, 0.5);
   EXPECT_FALSE(material.double_sided || material.texture);
   EXPECT_FALSE(textured({{"index", 1}}).texture) << "there is only texture 0";
+}
+
+// Both are read from the file; between the two reads it may be replaced.
+TEST(GltfMaterial, LooksOfAFileThatChangedAreRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("column.glb", column().glb());
+  const gltf::Rig rig = gltf::read_rig(path);
+  EXPECT_NO_THROW(gltf::read_looks(path, rig));
+  gltf::Rig other = rig;
+  other.parts[0].primitive = 1;
+  EXPECT_THROW(gltf::read_looks(path, other), base::SceneError);
+  other = rig;
+  other.parts[0].mesh = 7;
+  EXPECT_THROW(gltf::read_looks(path, other), base::SceneError);
 }
 
 // The rig's coordinates are those of the texture: its own set, moved.

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -276,6 +277,16 @@ TEST(DecodeImage, ReadsPngExactlyAndJpegNearly) {
   }
 }
 
+TEST(DecodeImage, TheHeaderSaysSizeAndType) {
+  const render::ImageHeader png = render::image_header(png_of(plain_image(40, 30)));
+  EXPECT_EQ(std::tuple(png.width, png.height, std::string(png.type), png.flaw),
+            std::tuple(40u, 30u, "image/png", ""));
+  const render::ImageHeader jpeg = render::image_header(jpeg_of(plain_image(20, 12)));
+  EXPECT_EQ(std::tuple(jpeg.width, jpeg.height, std::string(jpeg.type), jpeg.flaw),
+            std::tuple(20u, 12u, "image/jpeg", ""));
+  EXPECT_EQ(render::image_header({}).flaw, "is neither PNG nor JPEG");
+}
+
 TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
   EXPECT_EQ(render::decode_image({}).flaw, "is neither PNG nor JPEG");
   const std::vector<unsigned char> png = png_of(plain_image(40, 30)), jpeg = jpeg_of(plain_image(40, 30));
@@ -291,6 +302,11 @@ TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
       const render::DecodedImage image = render::decode_image(damaged);
       EXPECT_EQ(image.texels.values.size(), std::size_t{4} * image.texels.width * image.texels.height);
       EXPECT_TRUE(!image.texels.values.empty() || !image.flaw.empty());
+      const render::ImageHeader header = render::image_header(damaged);
+      EXPECT_EQ(header.flaw.empty(), header.width > 0 && header.height > 0);
+      if (image.texels.values.empty()) continue;
+      EXPECT_EQ(header.width, image.texels.width);
+      EXPECT_EQ(header.height, image.texels.height);
     }
   }
 }
@@ -314,12 +330,14 @@ TEST(DecodeImage, LargeOnesAreRefusedBeforeMemoryIsAllocated) {
   const render::DecodedImage image = render::decode_image(sized_png(png_of(plain_image(40, 30)), 60000));
   EXPECT_TRUE(image.texels.values.empty());
   EXPECT_NE(image.flaw.find("60000 x 60000 is larger"), std::string::npos) << image.flaw;
+  EXPECT_EQ(render::image_header(sized_png(png_of(plain_image(40, 30)), 60000)).flaw, image.flaw);
 }
 
 TEST(DecodeImage, SizesThatAFileCannotHoldAreRefused) {
   const render::DecodedImage image = render::decode_image(sized_png(png_of(plain_image(40, 30)), 5000));
   EXPECT_TRUE(image.texels.values.empty());
   EXPECT_NE(image.flaw.find("bytes cannot hold 5000 x 5000"), std::string::npos) << image.flaw;
+  EXPECT_EQ(render::image_header(sized_png(png_of(plain_image(40, 30)), 5000)).flaw, image.flaw);
   // What compresses best is read: one colour, near the bound.
   const std::vector<unsigned char> flat = png_of(plain_image(1500, 1500));
   EXPECT_LT(flat.size(), std::size_t{1500} * 1500 * 3 / 300);

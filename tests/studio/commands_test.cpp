@@ -122,6 +122,16 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
                 .find("deeper"),
             std::string::npos);
   EXPECT_NE(refusal(std::string(100000, '[')), "");
+  // The message is the first level of 16; the control is refused for what it says.
+  const auto nested = [](std::size_t levels) {
+    return R"({"type":"pause","x":)" + std::string(levels, '[') + std::string(levels, ']') + "}";
+  };
+  EXPECT_NE(refusal(nested(16)).find("deeper than 16 levels"), std::string::npos);
+  EXPECT_EQ(refusal(nested(15)).find("deeper"), std::string::npos);
+  // Many small objects are read without going over all of them for each.
+  std::string objects = R"({"type":"pause","x":[{})";
+  for (int k = 0; k < 80'000; ++k) objects += ",{}";
+  EXPECT_NE(refusal(objects + "]}"), "");
   std::string many = R"({"type":"pause","a":0)";
   for (int k = 0; k < 1000; ++k) many += ",\"" + std::to_string(k) + "\":0";
   EXPECT_EQ(refusal(many + "}"), "not valid JSON, or too large an object");

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "host/base/file.h"
+#include "host/scene/input_files.h"
+#include "host/studio/session.h"
 
 namespace fascicle::tests {
 namespace {
@@ -141,6 +143,28 @@ TEST(SessionFile, PaintIsOfCharactersAlone) {
         "character.paint/../x", "character.left.file", "character.", "paint", "", "x.left.paint",
         "character.left.paint.paint/", "character.a\\b.paint", "character.left.paint\n"})
     EXPECT_FALSE(with_key(key)) << key;
+}
+
+// Many keys can name one large paint, and cost time that grows with their square.
+TEST(SessionFile, PaintIsOfAsManyCharactersAsASceneMayHave) {
+  const auto with_keys = [](int count) {
+    SessionRecord record = sample();
+    record.steps.push_back({"paint", "a", {}});
+    const auto paint = std::make_shared<const std::string>("{}");
+    for (int k = 0; k < count; ++k)
+      record.steps.back().paints["character.a" + std::to_string(k) + ".paint"] = paint;
+    return parse_session(studio::session_text(record));
+  };
+  ASSERT_TRUE(with_keys(256));
+  EXPECT_EQ(with_keys(256)->steps.back().paints.size(), 256u);
+  EXPECT_FALSE(with_keys(257));
+}
+
+TEST(SessionFile, HashesOfPaintAreThoseOfAllText) {
+  const studio::Paints paints{{"character.a.paint", std::make_shared<const std::string>("one")},
+                              {"character.b.paint", std::make_shared<const std::string>("two")}};
+  EXPECT_EQ(studio::hash_of_all("text", paints), scene::hash_of("textonetwo"));
+  EXPECT_EQ(studio::hash_of_all("text", {}), scene::hash_of("text"));
 }
 
 TEST(SessionFile, TheNewestIsOnDiskWhenTheWriterGoes) {

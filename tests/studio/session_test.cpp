@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -417,6 +418,29 @@ TEST_F(ForeignSession, AStepOfAWrongTextIsRefused) {
   }
   client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
   client->wait_for("applied");
+}
+
+// Nothing has read such paint, and file names are made from its keys.
+TEST_F(ForeignSession, PaintThatTheSceneDoesNotNameIsNotSaved) {
+  const auto paint = std::make_shared<const std::string>(1024, 'x');
+  leave({{"", bar_text, {}, true},
+         {"softer",
+          bar_with("frequency = 3.0"),
+          {{"character.paint", paint}, {"character.a0.paint", paint}, {"character.a1.paint", paint}},
+          true}},
+        1);
+  const Running studio = open();
+  const auto client = studio.open();
+  EXPECT_EQ(frequency(start_of(*client)), 3.0);
+  client->say({{"type", "save"}});
+  const Json done = client->wait_for("done");
+  EXPECT_FALSE(done.contains("paints")) << done;
+  std::size_t scenes = 0;
+  for (const auto& file : fs::directory_iterator(folder_ / "session")) {
+    EXPECT_EQ(file.path().string().find(".paint"), std::string::npos) << file.path();
+    scenes += file.path().extension() == ".toml";
+  }
+  EXPECT_EQ(scenes, 1u);
 }
 
 TEST_F(ForeignSession, AFolderInItsPlaceIsKept) {
