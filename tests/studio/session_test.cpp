@@ -433,8 +433,8 @@ TEST_F(ForeignSession, PaintThatTheSceneDoesNotNameIsNotSaved) {
   const auto client = studio.open();
   EXPECT_EQ(frequency(start_of(*client)), 3.0);
   client->say({{"type", "save"}});
-  const Json done = client->wait_for("done");
-  EXPECT_FALSE(done.contains("paints")) << done;
+  const Json saved = client->wait_for("saved");
+  EXPECT_FALSE(saved.contains("paints")) << saved;
   std::size_t scenes = 0;
   for (const auto& file : fs::directory_iterator(folder_ / "session")) {
     EXPECT_EQ(file.path().string().find(".paint"), std::string::npos) << file.path();
